@@ -4,7 +4,7 @@ import math
 import re
 import tomllib
 import unicodedata
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -15,7 +15,7 @@ from markupsafe import Markup, escape
 from assessment.ntc.tables import ROCK
 from assessment.results.schema import QUANTITIES, Quantity, Results, ratio_decimals, unit_of
 from assessment.results.table import Row
-from mechanics.messages import Message, english, filled, headed, linked
+from mechanics.messages import Message, english, filled
 
 LANGUAGES = ("it", "en")
 # where no line ends: at the blank before a unit, around the equals sign before a number, at the stroke of a unit
@@ -261,7 +261,7 @@ WRITERS: Mapping[str, Callable[[Any, Words], str]] = {
     "share": lambda value, words: words.comma(f"{100.0 * value:g}"),
     **dict.fromkeys(("resurrections", "widest_gap"), lambda value, words: words.comma(value)),
     **dict.fromkeys(
-        ("analysis", "contacts", "property", "rule", "measured_kind"),
+        ("analysis", "contacts", "property", "rule", "measured_kind", "intervention"),
         lambda value, words: words.name("value", value),
     ),
     **dict.fromkeys(("use_category", "integrator"), lambda value, words: words.name("setting", value)),
@@ -358,60 +358,6 @@ def sentence(text: str, words: Words) -> Markup:
     text = _PERCENT.sub(" %", _POWER.sub(lambda it: power_of_ten(it[1]), translated(text, words)))
     start = text[0].upper() if _WORD.match(text) else text[0]
     return Markup(_SYMBOL.sub(r"\1<sub>\2</sub>", str(escape(f"{start}{text[1:].rstrip('.')}."))))
-
-
-def merged(texts: Iterable[str]) -> list[str]:
-    """Return sentences, of those that differ in numbers alone one with their ranges, in the order of the first.
-
-    Sentences under one heading stand behind it together.
-    """
-    alike: dict[Any, list[str]] = {}
-    for text in texts:
-        alike.setdefault(_without_numbers(text), []).append(text)
-    together: dict[Any, list[Any]] = {}
-    for each in (_ranged(own) for own in alike.values()):
-        is_headed = isinstance(each, Message) and each.template == headed("", "").template
-        parts = tuple(each.fields.values()) if is_headed else ()
-        messages = bool(parts) and all(isinstance(part, Message) for part in parts)
-        together.setdefault(each.fields["title"] if messages else (each,), []).append(each)
-    return [
-        own[0] if len(own) == 1 else headed(title, linked([each.fields["text"] for each in own]))
-        for title, own in together.items()
-    ]
-
-
-@dataclass(frozen=True)
-class Span:
-    """Least and largest of a number in several messages, written as one."""
-
-    low: float
-    high: float
-
-    def __format__(self, form: str) -> str:
-        """Return both ends in a format, once where they look alike."""
-        low, high = format(self.low, form), format(self.high, form)
-        return low if low == high else f"{low}–{high}"
-
-
-def _without_numbers(value: Any) -> Any:
-    """Return what messages that differ in numbers alone have in common."""
-    if isinstance(value, Message):
-        return value.template, tuple((name, _without_numbers(each)) for name, each in value.fields.items())
-    if isinstance(value, list):
-        return tuple(map(_without_numbers, value))
-    return None if isinstance(value, int | float) and not isinstance(value, bool) else value
-
-
-def _ranged(alike: list[Any]) -> Any:
-    """Return one value for those of several messages that are alike."""
-    first = alike[0]
-    if isinstance(first, Message):
-        return Message(
-            first.template, {name: _ranged([each.fields[name] for each in alike]) for name in first.fields}
-        )
-    if isinstance(first, list):
-        return [_ranged(list(items)) for items in zip(*alike, strict=True)]
-    return first if isinstance(first, str) or min(alike) == max(alike) else Span(min(alike), max(alike))
 
 
 def _item(name: str, item: Any, form: str, words: Words) -> str:

@@ -38,6 +38,8 @@ def traces(results: Results, words: Words) -> Iterator[Grid]:
             before = action.get(kind, [])
         own = [line for line in steps if line not in before]
         rows = [_row(each, words, 6 if full else 4) for each in own if full or not _between_nodes(each)]
+        if not rows:
+            continue
         named = kind in words.strings["calculation"]
         title = words(f"calculation.{kind}", limit=limit) if named else check_name(check, words)
         where = filter(None, [mechanism, title, words.at(state, direction)])

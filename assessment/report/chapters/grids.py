@@ -9,7 +9,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from assessment.ntc.tables import EXCEEDANCE, ROCK, USE_COEFFICIENT, return_period
+from assessment.ntc.tables import ROCK
 from assessment.report import language
 from assessment.report.chapters.remarks import worked_by_hand
 from assessment.report.tables import TABLES, dynamic, mechanisms, structure, studies, without
@@ -20,9 +20,10 @@ from assessment.results.schema import QUANTITIES, Results, present
 from assessment.results.summary import index_limit, index_of, least_row, printed, undetermined
 from assessment.results.table import Row, Table, cells, reference_of
 
-AS_THEY_ARE = """ties settlements tie_tensions knowledge all_mechanisms linear_checks scalings history
-history_ranges history_energy shaken_ties incremental incremental_states fragility_measures static_dynamic convergence
-history_convergence incremental_convergence quality"""  # tables that the report prints as the CSV files have them
+# tables that the report prints as the CSV files have them
+AS_THEY_ARE = """ties settlements tie_tensions knowledge action indices risk interventions all_mechanisms linear_checks
+scalings history history_ranges history_energy shaken_ties incremental incremental_states fragility_measures
+static_dynamic convergence history_convergence incremental_convergence quality"""
 SIGNIFICANT = {"hand_check": 4, "second_solver": 5}  # digits of tables that show how near two values are
 CHECKED = "d_star_m a_star_g T_s pga_g demand_pga_g zeta_E return_period_years verified governing"
 
@@ -66,9 +67,6 @@ def printed_tables(results: Results, words: language.Words) -> dict[str, Grid]:
         mechanisms.reactions(results),
         mechanisms.balance(results),
         structure.reported_pressures(results),
-        _action(results),
-        *checked.reported_indices(results),
-        checked.reported_interventions(results, words),
         _interventions(results),
         replace(chosen, rows=[row for row in chosen.rows if "refused" not in row]),
         _checked(checked.chosen_checks(results), "mechanism state limit_state"),
@@ -141,21 +139,6 @@ def _mechanisms(results: Results, words: language.Words) -> Table:
             row | {"mechanism": named} | cells(hand_check.rigid_push(results, *where), ["alpha_onset"])
         )
     return Table("mechanisms", rows, (*table.columns[:2], "mechanism", "alpha_onset", *table.columns[2:]))
-
-
-def _action(results: Results) -> Table:
-    """Return the demand with what the reference life follows from: P_VR and T_R of every limit state."""
-    site = (results.echo.assessment or {}).get("site") or {}
-    life, use = site.get("nominal_life_years"), site.get("use_class")
-    table = checked.action(results)
-    rows = []
-    for row in map(present, table.rows):
-        told: Row = {}
-        if life and use in USE_COEFFICIENT and row["kind"] != "record":
-            limit = row["limit_state"]
-            told = {"P_VR": EXCEEDANCE[limit], "return_period_years": return_period(limit, life, use)}
-        rows.append(told | row)
-    return Table("action", rows, ("limit_state", "kind", "P_VR", *table.columns[2:]))
 
 
 def _interventions(results: Results) -> Table:

@@ -14,7 +14,7 @@ from markupsafe import Markup
 
 from assessment.report.chapters.remarks import SCHOOL, agreement, used_as
 from assessment.report.chapters.synthesis import lead
-from assessment.report.language import Words, check_name, merged, plain_text
+from assessment.report.language import Words, check_name, plain_text
 from assessment.report.tables import capacities, moves
 from assessment.report.tables.mechanisms import balance
 from assessment.report.tables.structure import tensions
@@ -52,7 +52,6 @@ def findings(results: Results, words: Words) -> list[Markup]:
         *_chosen(results, words),
         *_linear(results, words),
         *_histories(results, words),
-        *_incremental(results, words),
         *_campaign(results, words),
         *worst_scenario(results, words),
         *_sensitive(results, words),
@@ -121,15 +120,6 @@ def _histories(results: Results, words: Words) -> Iterator[Markup]:
             peak, name = max(peaks)
             text = "judgement.history_stands" if fallen else "judgement.history_peak"
             yield words(text, **what, peak=peak, state=name)
-
-
-def _incremental(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield which settled states have no other level at collapse than the original one, as far as is known."""
-    for name, state in results.states.items():
-        loss = state.incremental.loss
-        if loss and loss.distinguishable is False:
-            low, high = loss.dynamic_range
-            yield words("judgement.incremental_indistinct", state=name, low=low, high=high)
 
 
 def _campaign(results: Results, words: Words) -> Iterator[Markup]:
@@ -236,8 +226,8 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
 
 
 def all_warnings(results: Results) -> list[str]:
-    """Return the warnings of model, run and solves, each once, those that differ in numbers alone with their ranges."""
-    return merged(dict.fromkeys([*results.model.warnings, *results.quality.warnings]))
+    """Return the warnings of model, run and solves, each once."""
+    return list(dict.fromkeys([*results.model.warnings, *results.quality.warnings]))
 
 
 NAME = "judgement.md"

@@ -15,16 +15,14 @@ from assessment.report.tables.capacity import directions
 from assessment.report.tables.cracks import SEEN, cracks_of, surveyed
 from assessment.report.tables.mechanisms import alpha_at_d_0, excesses
 from assessment.results import hand_check, summary
-from assessment.results.schema import Behaviour, Direction, Results, RigidPush
+from assessment.results.schema import Behaviour, Direction, Results
 from assessment.results.summary import UNLIKELY, best_of, fits, settlement_lines, told_of
 from assessment.results.table import ORIGINAL
 
 ELASTIC_END = "end of the elastic curve"  # what governs a check
 PLACES = 2  # of a displacement in mm: what is less is none that a drawing shows
 ONSET = 0.01  # of α_0: an onset below it by more closes hinges first
-NEAR = 0.9  # of α_0: an earlier peak above it is reported
 LEFT = 0.5  # of a pretension: a tie at rest with less tension is reported
-NEARLY = 0.99  # of the yield force: a tie above it that does not yield is reported
 SOLVERS_AGREE = 1e-4  # relative: less between two programs is no finding
 NOTICED = 0.01  # of the size of a block, the root of its area
 RISK = ("abita", "residen", "produtt", "dwelling", "housing", "home")  # uses with classes of D.M. 58/2017
@@ -164,22 +162,12 @@ def onsets(results: Results, words: Words) -> Sentences:
     for name, direction, rigid in sorted(hand_check.mechanisms(results), key=lambda each: each[1]):
         if name == ORIGINAL or rigid.alpha_onset >= (1.0 - ONSET) * rigid.alpha_0:
             continue
-        alpha = rigid.curve.multiplier
-        peak = rigid.peak
-        inner = (k for k in range(1, peak) if alpha[k - 1] < alpha[k] > alpha[k + 1])
-        earlier = next((k for k in inner if alpha[k] >= NEAR * alpha[peak]), None)
-        near = Markup("")
-        if earlier is not None:
-            near = words("text.onset_near", near=alpha[earlier], place=_place(rigid, earlier, words))
-        least = round(min(alpha[: peak + 1]), 6) + 0.0  # what is left of zero is the residual of the program
-        numbers = {"onset": rigid.alpha_onset, "least": least, "alpha_0": rigid.alpha_0}
-        place = {"state": name, "direction": direction, "place": _place(rigid, peak, words)}
-        yield words("text.onset", near=near, **numbers, **place)
-
-
-def _place(rigid: RigidPush, point: int, words: Words) -> str:
-    place = words.rounded(1000.0 * abs(rigid.curve.displacement_m[point]), PLACES)
-    return f"= {place}" if place != "0" else f"< {words.comma(f'{10.0**-PLACES:g}')}"
+        least = min(rigid.curve.multiplier[: rigid.peak + 1])
+        numbers = {"onset": rigid.alpha_onset, "alpha_0": rigid.alpha_0}
+        numbers["least"] = round(least, 6) + 0.0  # what is left of zero is the residual of the program
+        place = words.rounded(1000.0 * abs(rigid.curve.displacement_m[rigid.peak]), PLACES)
+        place = f"= {place}" if place != "0" else f"< {words.comma(f'{10.0**-PLACES:g}')}"
+        yield words("text.onset", state=name, direction=direction, place=place, **numbers)
 
 
 def displacement_limits(results: Results, words: Words) -> Sentences:
@@ -256,19 +244,6 @@ def yielding(results: Results, words: Words) -> Sentences:
             found.setdefault(each.tie, {})[words.at(*where.values())] = each.lengthening_m
     for tie, places in found.items():
         yield words("text.tie_yields", tie=tie, where="; ".join(places), most=max(places.values()))
-
-
-def nearly_yielding(results: Results, words: Words) -> Sentences:
-    """Yield the ties that come within a hundredth of their yield force without being found to yield."""
-    strength = structure.tie_strength(results)
-    for where, each in sorted(structure.tensions(results), key=lambda found: "direction" not in found[0]):
-        limit = strength[each.tie]
-        if limit is None or each.greatest_kN is None or each.yields or each.greatest_kN < NEARLY * limit:
-            continue
-        place = words.at(where["state"], where.get("direction"), where["contacts"])
-        numbers = {"greatest": words.number(each.greatest_kN, 6)}
-        numbers["share"] = words.number(100.0 * each.greatest_kN / limit, 4)
-        yield words("text.tie_nearly", tie=each.tie, where=place, **numbers)
 
 
 def slackened(results: Results, words: Words) -> Sentences:

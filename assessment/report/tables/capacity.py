@@ -2,15 +2,14 @@
 
 from collections.abc import Iterator
 
-from assessment.ntc.tables import LINEAR
-from assessment.report.language import Words
-from assessment.report.tables import TABLES, Curves, Found, capacities, curves, table, without
-from assessment.results.schema import Results, StateResults
-from assessment.results.schema.checks import CHECKS, Capacity, Count, Direction, GivenMechanism
+from assessment.ntc.tables import EXCEEDANCE, LINEAR, USE_COEFFICIENT, return_period
+from assessment.report.tables import Curves, Found, capacities, curves, table
+from assessment.results.schema import Results
+from assessment.results.schema.checks import Capacity, Count, Direction, GivenMechanism
 from assessment.results.schema.model import Line
-from assessment.results.schema.part import Part, present
+from assessment.results.schema.part import present
 from assessment.results.summary import checks_asked, determined_indices, undetermined
-from assessment.results.table import Row, Table, cells, reduction
+from assessment.results.table import ORIGINAL, Row, cells, reduction
 
 VERIFICATION = """d_star_m a_star_g T_s a_g_g demand_a_g_g pga_g demand_pga_g zeta_E verified
 return_period_years governing"""
@@ -18,7 +17,7 @@ CHOSEN = "state direction moving_weight_kN alpha_0_limit e_star a_0_star_g refus
 SAFETY = "zeta_SLV zeta_SLC ratio_SLD T_SLV_years T_R_SLV_years I_S f_a acceptable_nominal_life_years"
 RISK = "IS_V IS_V_class PAM PAM_class risk_class"
 HEADLINES = ("zeta_SLV", "acceptable_nominal_life_years", "IS_V", "risk_class")
-INTERVENTIONS = ("improvement", "improvement_school", "retrofit_use", "retrofit")
+ACTION = "kind return_period_years a_g_g pga_g F0 Tc_star_s soil topography S T_B_s T_C_s T_D_s"
 
 
 @curves("capacity", "state direction d_star_m a_star_g")
@@ -44,52 +43,28 @@ def vertical(results: Results) -> Found:
             yield {"state": name, "direction": direction}, capacity.vertical
 
 
-def summary(results: Results) -> Table:
-    """Return the quantities of the paper's Table 1 per direction, a column per state, and the reductions.
-
-    Null: what a check asked for bears in a state without capacity in the direction.
-    """
-    asked, missing = checks_asked(results), undetermined(results)
-    rows: list[Row] = []
-    for direction in directions(results):
-        lacking = [name for name, ways in missing.items() if direction in ways]
-        for sources in zip(*(_sources(state, direction) for state in results.states.values()), strict=True):
-            quantity, limit, _ = sources[0]
-            parts = {name: part for name, (*_, part) in zip(results.states, sources, strict=True) if part}
-            values = {name: one[quantity] for name, part in parts.items() if (one := cells(part, [quantity]))}
-            if limit in asked and (values or quantity in {"a_g_g", "zeta_E"}):
-                values = dict.fromkeys(lacking) | values
-            if values:
-                row: Row = {"direction": direction, "quantity": quantity, "limit_state": limit} | values
-                before, settled = values.get("original"), [name for name in values if name != "original"]
-                rows.append(row | {f"reduction: {name}": reduction(before, values[name]) for name in settled})
-    both = [each for name in results.states for each in (name, f"reduction: {name}")]
-    columns = [name for name in both if name != "reduction: original"]
-    return Table("summary", rows, ("direction", "quantity", "limit_state", *columns))
+@table("summary", "state direction alpha_0 alpha_u alpha_y d_y_m d_0_m e_star gamma_star T_0_s reduction")
+def summary(results: Results) -> Found:
+    """List the quantities of the paper's Table 1 of every state and direction; `reduction`: of α_0, else of α_u."""
+    for row in results.summary.rows:
+        state, direction = results.states[row.state], row.direction
+        if direction and (pushed := state.pushover.get(direction)):
+            found = cells(pushed.rigid, ("alpha_0", "d_0_m")) if pushed.rigid else {}
+            found |= cells(pushed.rigid.mechanism, ("e_star", "gamma_star")) if pushed.rigid else {}
+            found |= cells(pushed.elastic, ("alpha_u", "alpha_y", "d_y_m")) if pushed.elastic else {}
+            found |= cells(state.capacity[direction], ["T_0_s"]) if direction in state.capacity else {}
+            found |= {"reduction": row.alpha_loss} if "alpha_loss" in row.model_fields_set else {}
+            yield {"state": row.state, "direction": direction} | found
 
 
-TABLES["summary"] = summary
-
-
-def _sources(state: StateResults, direction: Direction) -> Iterator[tuple[str, str, Part | None]]:
-    """Yield quantity, limit state and what has it in a state: the same of every state, None where it is not there."""
-    pushover, capacity = state.pushover.get(direction), state.capacity.get(direction)
-    rigid, elastic = (pushover.rigid, pushover.elastic) if pushover else (None, None)
-    mechanism, checks = rigid and rigid.mechanism, capacity.checks if capacity else {}
-    of: list[tuple[str, Part | None]] = [("alpha_0", rigid), ("alpha_u", elastic), ("alpha_y", elastic)]
-    of += [("d_y_m", elastic), ("d_0_m", rigid), ("e_star", mechanism), ("gamma_star", mechanism)]
-    of += [("T_0_s", capacity if capacity and capacity.T_0_s is not None else None)]  # a rigid curve has none
-    yield from ((quantity, "", part) for quantity, part in of)
-    for quantity in ("d_star_m", "T_s", "a_g_g", "zeta_E"):
-        for limit in CHECKS:
-            yield quantity, limit, checks.get(limit)
-
-
-@table("verification", f"state direction limit_state {VERIFICATION.replace('return', '?return')} mechanism")
+@table(
+    "verification",
+    f"state direction limit_state {VERIFICATION.replace('return', '?return')} reduction mechanism",
+)
 def verification(results: Results) -> Found:
     """List the checks of every state and direction: what each limit state bears and what governs it.
 
-    Null: there is no capacity to check, in a direction that was asked for.
+    Null: there is no capacity to check, in a direction that was asked for. `reduction`: of a_g from the original state.
     """
     found = [check for _, _, each in capacities(results) for check in each.checks.values()]
     known = any(check.return_period_years for check in found)  # by the hazard curve
@@ -97,11 +72,17 @@ def verification(results: Results) -> Found:
     for name, state in results.states.items():
         for direction, capacity in state.capacity.items():
             for limit, check in capacity.checks.items():
-                where = {"state": name, "direction": direction, "limit_state": limit}
-                yield where | cells(check, columns) | {"mechanism": mechanism_text(capacity.mechanism)}
+                row: Row = {"state": name, "direction": direction, "limit_state": limit}
+                row |= cells(check, columns) | {"mechanism": mechanism_text(capacity.mechanism)}
+                original = (
+                    results.states[ORIGINAL].capacity.get(direction) if ORIGINAL in results.states else None
+                )
+                if name != ORIGINAL and original and limit in original.checks:
+                    row["reduction"] = reduction(original.checks[limit].a_g_g, check.a_g_g)
+                yield row
         for direction in undetermined(results).get(name, ()):
             for limit in checks_asked(results):
-                row: Row = {"state": name, "direction": direction, "limit_state": limit}
+                row = {"state": name, "direction": direction, "limit_state": limit}
                 row |= {"a_g_g": None, "zeta_E": None, "verified": None}
                 if demand := (results.spectra or {}).get(limit.partition(" ")[0]):
                     row["demand_a_g_g"] = demand.a_g_g
@@ -116,12 +97,17 @@ def mechanism_text(mechanism: Count) -> str:
 
 @table(
     "action",
-    "limit_state kind return_period_years a_g_g pga_g F0 Tc_star_s soil topography S T_B_s T_C_s T_D_s",
+    f"limit_state ?P_VR {ACTION}",
 )
 def action(results: Results) -> Found:
-    """List the parameters of the demand spectra."""
+    """List the parameters of the demand spectra; P_VR and T_R where a reference life is known."""
+    site = (results.echo.assessment or {}).get("site") or {}
+    life, use = site.get("nominal_life_years"), site.get("use_class")
     for limit, demand in (results.spectra or {}).items():
-        yield {"limit_state": limit}, demand
+        row: Row = {"limit_state": limit} | present(cells(demand, ACTION.split()))
+        if life and use in USE_COEFFICIENT and demand.kind != "record":
+            row = {"P_VR": EXCEEDANCE[limit], "return_period_years": return_period(limit, life, use)} | row
+        yield row
 
 
 @table(
@@ -203,9 +189,9 @@ def calculations(results: Results) -> Iterator[tuple[str, str, str, list[Line]]]
         for part, own in steps.items():
             if own:
                 yield state, direction, f"{prefix}{part}", own
-    for name, state in results.states.items():
-        if state.indices:
-            yield name, "", "indices", state.indices.trace
+    for name, each in results.states.items():
+        if each.indices:
+            yield name, "", "indices", each.indices.trace
     if results.knowledge:
         yield "", "", "knowledge", results.knowledge.trace
 
@@ -224,56 +210,38 @@ def directions(results: Results) -> list[Direction]:
     return sorted({direction for state in results.states.values() for direction in state.pushover})
 
 
-@table("indices", f"state {SAFETY} {RISK}")
-def indices(results: Results) -> Found:
-    """List the indices of every state; what is not known for want of a return period is left out.
+def _indices(results: Results, columns: str) -> Iterator[Row]:
+    """Yield the indices of every state; what is not known for want of a return period is left out.
 
     Null: the state has no capacity in a direction.
     """
-    columns = f"{SAFETY} {RISK}".split()
-    known = {name: present(cells(found, columns)) for name, found in determined_indices(results).items()}
+    known = {
+        name: present(cells(found, columns.split())) for name, found in determined_indices(results).items()
+    }
     told = {key for row in known.values() for key in row} | {"zeta_SLV", "IS_V"}
-    nothing = dict.fromkeys((key for key in HEADLINES if key in told), None)
-    return [{"state": name} | known.get(name, nothing) for name in _states(results)]
+    nothing = dict.fromkeys(key for key in HEADLINES if key in told and key in columns.split())
+    yield from ({"state": name} | known.get(name, nothing) for name in _states(results))
 
 
-def reported_indices(results: Results) -> list[Table]:
-    """Return the indices as the report prints them: those of safety apart from the classes of risk."""
-    rows = indices(results).rows
-    return [
-        Table(name, [{key: row[key] for key in columns if key in row} for row in rows], tuple(columns))
-        for name, columns in (("indices", f"state {SAFETY}".split()), ("risk", f"state {RISK}".split()))
-    ]
+indices = table("indices", f"state {SAFETY}")(lambda results: _indices(results, SAFETY))
+risk = table("risk", f"state {RISK}")(lambda results: _indices(results, RISK))
 
 
-@table(
-    "interventions",
-    f"state use_class ?zeta_before zeta_SLV {' '.join(INTERVENTIONS)} "
-    + " ".join(f"?{kind}_attained" for kind in INTERVENTIONS),
-)
+@table("interventions", "state use_class intervention ?zeta_before zeta_SLV required_zeta ?attained")
 def interventions(results: Results) -> Found:
     """List ζ_E of every state and what each kind of intervention must reach (NTC 2018, §8.4).
 
-    Of a strengthened state that follows from ζ_E before, and whether it is attained stands behind.
+    Of a strengthened state that follows from ζ_E before, and `attained` tells whether it is reached.
     """
     known = determined_indices(results)
     for name in _states(results):
-        row: Row = {"state": name, "zeta_SLV": None}
         if found := known.get(name):
-            row |= cells(found, ["use_class", "zeta_SLV", "zeta_before"]) | present(found.required_zeta)
-            row |= {f"{kind}_attained": whether for kind, whether in (found.attained or {}).items()}
-        yield row
-
-
-def reported_interventions(results: Results, words: Words) -> Table:
-    """Return the interventions as the report prints them: behind each value whether it is attained."""
-    table = interventions(results)
-    for row in table.rows:
-        for kind in INTERVENTIONS:
-            if (attained := row.pop(f"{kind}_attained", None)) is not None:
-                key = f"value.{'attained' if attained else 'not_attained'}"
-                row[kind] = words(key, least=row.get(kind))
-    return without(table, *(f"{kind}_attained" for kind in INTERVENTIONS))
+            row: Row = {"state": name} | cells(found, ("use_class", "zeta_SLV", "zeta_before"))
+            for kind, least in present(found.required_zeta).items():
+                reached = present({"attained": (found.attained or {}).get(kind)})
+                yield row | {"intervention": kind, "required_zeta": least} | reached
+        else:
+            yield {"state": name, "zeta_SLV": None}
 
 
 @table("knowledge", "parameter factor_component origin")

@@ -315,6 +315,8 @@ class Indices(Part):
     required_zeta: dict[str, float | None] = key(
         "ζ_E that each kind of intervention must reach (NTC 2018, §8.4), of a strengthened state from the ζ_E "
         "of the state that it strengthens; null: no such threshold, or that ζ_E is not known",
+        "ζ_E da raggiungere|ζ_E required",
+        ratio=True,
         unit="–",
     )
     zeta_before: float | None = optional(
@@ -322,7 +324,7 @@ class Indices(Part):
         "ζ_E prima|ζ_E before",
         ratio=True,
     )
-    attained: dict[str, bool] | None = optional("of a strengthened state: whether ζ_E at SLV reaches each")
+    attained: dict[str, bool] | None = optional("whether ζ_E at SLV reaches each", "Raggiunto|Attained")
     trace: list[Line] = key("their calculation")
 
 

@@ -189,6 +189,6 @@ class Line(Part):
     symbol: str = key("name of the result", "Simbolo|Symbol")
     formula: str = key("plain arithmetic in the names of the inputs; empty: a datum", "Formula")
     inputs: dict[str, float] = key("the numbers put in", "Dati|Data", words=True)
-    result: float = key("the result, in `unit`", "Risultato|Result", unit="")
+    result: float = key("the result, in the unit of `unit`", "Risultato|Result")
     unit: str = key("unit of the result")
     paragraph: Sentence = key("paragraph of the standard, or source of a datum", "Riferimento|Reference")

@@ -67,9 +67,7 @@ def test_tables_and_summaries_have_one_multiplier(results, rows, state, directio
         }
     [total] = [row for row in capacities(results) if (row["state"], row["direction"]) == (state, direction)]
     shown["terminal"] = total["alpha_0"]
-    keys = (direction, "alpha_0")
-    [summary] = [row for row in rows["summary"] if (row["direction"], row["quantity"]) == keys]
-    shown["summary"] = summary[state]
+    [shown["summary"]] = [row["alpha_0"] for row in of(rows["summary"], state, direction)]
     for row in of(rows["static_ranges"], state, direction):
         if row["quantity"] == "alpha_0":
             shown["ranges"] = row["value"]

@@ -167,9 +167,7 @@ def test_a_loss_that_is_not_distinguishable_from_none_is_said_to_be_so():
     assert not [each for each in said if "not distinguishable" in each]
     for row in results["campaign"]["loss"]:
         row |= {"distinguishable": False, "dynamic_range": [-0.02, 0.05]}
-    loss = {"dynamic": 0.01, "dynamic_range": [-0.02, 0.05], "distinguishable": False, "left_out": 0}
-    results["states"][SETTLED]["incremental"]["loss"] = loss
-    assert {"campaign_indistinct", "incremental_indistinct"} <= set(hold(results))
+    assert "campaign_indistinct" in hold(results)
 
 
 def test_static_check_incremental_analysis_and_campaign_stand_on_one_reference():

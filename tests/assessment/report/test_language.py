@@ -12,7 +12,6 @@ from assessment.report.language import (
     Words,
     cell,
     heading,
-    merged,
     templates,
     translated,
     words_of,
@@ -164,17 +163,6 @@ def test_results_keep_messages_and_their_file_what_they_are_made_of(tmp_path):
     assert again.states["original"].pushover["+x"].rigid.end.fields == {"alpha": 0.123}
     assert {"inf α = 0", "α = 0.12"} <= again.messages.keys()
     assert as_bytes(again) == file.read_bytes()
-
-
-def test_the_same_warning_of_several_members_is_one_with_its_range():
-    """Five members of an ensemble said the same in five lines."""
-    lost = [
-        headed(TITLE, message("α = {alpha:.2g} at d = {d:.1f} m", alpha=a, d=0.5)) for a in (0.12, 0.1, 0.123)
-    ]
-    other = headed("elsewhere", message("α = {alpha:.2g} at d = {d:.1f} m", alpha=0.1, d=0.5))
-    one, two, plain = merged([lost[0], other, *lost[1:], "something else"])
-    assert one.endswith("α = 0.1–0.12 at d = 0.5 m") and in_italian(one).endswith("α = 0,1–0,12 at d = 0,5 m")
-    assert (two, plain) == (other, "something else")
 
 
 def test_messages_within_messages_numbers_and_names():

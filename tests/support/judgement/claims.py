@@ -161,13 +161,6 @@ def _indistinct(said: Fields, read: Read) -> None:
     assert (said["low"], said["high"]) == (low, high)
 
 
-def _same_level(said: Fields, read: Read) -> None:
-    loss = read.results["states"][said["state"]]["incremental"]["loss"]
-    assert loss["distinguishable"] is False
-    low, high = (WORDS.number(100.0 * bound, 2) for bound in loss["dynamic_range"])
-    assert (said["low"], said["high"]) == (low, high)
-
-
 def _ties_yield(said: Fields, read: Read) -> None:
     pushed = [push for state in read.results["states"].values() for push in state["pushover"].values()]
     curves = [push[kind] for push in pushed for kind in ("rigid", "elastic") if push.get(kind)]
@@ -322,7 +315,7 @@ CLAIMS: dict[str, Callable[[Fields, Read], None]] = {
     "interventions": _interventions, "ties_yield": _ties_yield, "history_collapse": _history,
     "history_stands": _history, "history_peak": _history, "campaign_alone": _campaign("alone"),
     "campaign_beside": _campaign("beside"), "campaign_opposed": _campaign("opposed"),
-    "campaign_indistinct": _indistinct, "incremental_indistinct": _same_level, "worst_a_g_g": _worst("a_g_g"),
+    "campaign_indistinct": _indistinct, "worst_a_g_g": _worst("a_g_g"),
     "worst_alpha_0": _worst("alpha_0"), "worst_alpha_u": _worst("alpha_u"), "worst_collapses": _worst(None),
     "sensitive": _sensitive, "sensitive_open": _sensitive_open, "margin": _margin(False),
     "no_margin": _margin(True), "loses_tie": _loses(True), "loses_joint": _loses(False),

@@ -7,7 +7,6 @@ from markupsafe import Markup
 from assessment.report.chapters.remarks import (
     fitted_above,
     lost_before_zero,
-    nearly_yielding,
     onsets,
     overlaps,
     slackened,
@@ -41,15 +40,9 @@ def _said(sentences, results):
 def test_a_later_peak_is_not_said_to_be_where_the_hinges_close():
     results = _with_curve([0.0, 0.0, 0.0017, 0.04, 0.0438, 0.1], [0.02, 0.004, 0.2178, 0.2048, 0.2197, 0.0])
     [said] = [each for each in _said(onsets, results) if "+x" in each]
-    assert "; then as little as 0.00400, 0.218 at d = 1.70 mm already;" in said
+    assert "; then as little as 0.00400;" in said
     assert said.endswith("at d = 43.80 mm the largest that, held, is borne: α0 = 0.220.")
     assert ": first motion at α = 0.0200; then" in said
-
-
-def test_a_first_peak_that_stays_low_is_not_told():
-    results = _with_curve([0.0, 0.001, 0.002, 0.004, 0.1], [0.02, 0.05, 0.03, 0.2, 0.0])
-    [said] = [each for each in _said(onsets, results) if "+x" in each]
-    assert "already" not in said
 
 
 def test_d_0_where_equilibrium_is_lost_is_said_to_be_that():
@@ -138,13 +131,6 @@ def test_a_pretension_of_which_less_than_half_is_left_is_told():
     assert said.startswith(
         "Of the pretension of 20.0 kN of the tie “chain” 3.28 kN are left at rest, in state"
     )
-
-
-def test_a_tie_just_below_its_yield_force_is_not_passed_over():
-    assert not _said(nearly_yielding, _tied(greatest_kN=110.0))
-    assert not _said(nearly_yielding, _tied(greatest_kN=120.0, yields=True))
-    [said] = _said(nearly_yielding, _tied(greatest_kN=119.99))
-    assert "119.990 kN, 99.99 % of its yield force" in said
 
 
 def test_a_tie_that_yields_between_two_instants_has_its_yield_force_in_the_table():
