@@ -166,6 +166,17 @@ def toml_line(key: str, value: Any) -> str:
     return f"{_key(key)} = {tomlkit.item(value).as_string()}"
 
 
+def inline(value: Any) -> str:
+    """Return a value on one line, tables in braces."""
+    import tomlkit
+
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{_key(key)} = {inline(each)}' for key, each in value.items())} }}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(inline, value))}]"
+    return str(tomlkit.item(value).as_string())
+
+
 def _syntax(text: str, message: str) -> str:
     lines = text.splitlines() or [""]
     place = _PLACE.search(message)

@@ -1,28 +1,27 @@
 """A project's content as a spreadsheet, read and written: one sheet per table.
 
-Single tables are sheets of key | value | comment, a table within one with a point (`control.+x`, `SLV.ag_g`). Lists of
-tables, and layers by name, have a header of keys and a row per entry, with columns such as `layers.NAME.friction`; the
-entries of a list within a single table have rows of their own, `hypotheses.1.NAME`. A list stands in one cell, "0.020;
--0.020". An empty cell is an absent key; a missing sheet, or one whose row ACTIVE says no, an absent table.
+Single tables are sheets of key | value | comment. Lists of tables, and layers by name, have a header of keys and a row
+per entry. A list stands in one cell, "0.020; -0.020", a table within an entry as in the TOML file, { course_m = 0.3 }.
+An empty cell is an absent key; a missing sheet, or one whose row ACTIVE says no, an absent table.
 """
 
 import csv
 import math
 import re
 import struct
+import tomllib
 import warnings
 import zlib
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import suppress
 from difflib import get_close_matches
 from io import BytesIO
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 from zipfile import BadZipFile, ZipFile
 
-from pydantic_core import PydanticUndefined
-
 from assessment.project import schema
-from assessment.project.toml import MARK
+from assessment.project.toml import MARK, inline
 from assessment.runtime.errors import ProjectError, nearest
 
 MOST_BYTES = 20_000_000  # of a workbook's parts, unpacked; one with every key has a hundredth of it
@@ -31,7 +30,6 @@ WIDEST_ROW = 2000  # empty cells included
 _WORKBOOK, _SHEET = "xl/workbook.xml", re.compile(rb"<(?:\w+:)?sheet\s")
 _ROW = re.compile(rb"<(?:\w+:)?row[\s/>]")
 _SHEET_PART = re.compile(r"sheets/[^/]*\.xml$", re.IGNORECASE)
-_NO_WORKBOOK = "file: not an XLSX workbook, or a damaged one; save it as .xlsx"
 # What openpyxl, which checks nothing, and the modules below it raise on parts that are not as they should be.
 _UNREADABLE = (
     BadZipFile, zlib.error, struct.error, OSError, EOFError, SyntaxError, NotImplementedError, RuntimeError,
@@ -40,11 +38,17 @@ _UNREADABLE = (
 
 Rows = dict[int, tuple[Any, ...]]
 _FORMS = schema.tables_of(schema.ProjectContent)
-_SINGLE: dict[str, schema.KeyPath] = {
-    "project": (),
-    **{name: (name,) for name, form in _FORMS.items() if form == "single"},
-    "site": ("assessment", "site"),
-}
+
+
+def _single(table: schema.KeyPath) -> Iterator[tuple[str, schema.KeyPath]]:
+    """Yield the single tables below one, by the name of their sheet."""
+    for name, form in schema.tables_of(schema.table_at(table) or schema.ProjectContent).items():
+        if form == "single":
+            yield name, (*table, name)
+            yield from _single((*table, name))
+
+
+_SINGLE: dict[str, schema.KeyPath] = {"project": (), **dict(_single(()))}
 _SHEETS = _SINGLE | {name: (name,) for name, form in _FORMS.items() if form != "single"}
 _NAME = {name: "layer" if name == "layers" else "name" for name, form in _FORMS.items() if form == "named"}
 WIDEST = 90  # letters of a column
@@ -61,56 +65,40 @@ LAST = 200  # row of a list down to which cells have a drop-down list
 def read_sheets(path: Path) -> tuple[dict[str, Rows], dict[str, Rows]]:
     """Return the rows of every sheet with values of formulas, and with formulas.
 
-    Raises ProjectError if damaged or too large.
+    Raises ProjectError if damaged or too large, OSError if there is no such file.
     """
     from openpyxl import load_workbook
 
-    archive = _archive(path)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of features of a spreadsheet that no project needs
-        try:
-            books = [load_workbook(archive, read_only=True, data_only=values) for values in (True, False)]
+    with path.open("rb") as file:
+        packed = BytesIO(file.read(MOST_BYTES + 1))
+    try:
+        with ZipFile(packed) as archive, warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of features of a spreadsheet that no project needs
+            size = sum(entry.file_size for entry in archive.infolist())
+            if size > MOST_BYTES:
+                text = f"holds {size} bytes, at most {MOST_BYTES}; delete rows, sheets and pictures"
+                raise ProjectError(f"{path.name}: file: {text} that are no part of the project")
+            # openpyxl passes over a sheet whose part is missing, and its stage would be switched off; of one that is
+            # there it reads on to the end, whatever it is asked for
+            sheets = [*filter(_SHEET_PART.search, archive.namelist())]
+            declared = archive.read(_WORKBOOK) if _WORKBOOK in archive.namelist() else b""
+            if archive.testzip() is not None or len(_SHEET.findall(declared)) > len(sheets):
+                raise BadZipFile
+            longest = max((len(_ROW.findall(archive.read(part))) for part in sheets), default=0)
+            if longest > MOST_ROWS:
+                text = f"a sheet of {longest} rows, at most {MOST_ROWS}, empty ones included"
+                raise ProjectError(f"{path.name}: file: {text}; delete those below the last entry")
+            books = [load_workbook(packed, read_only=True, data_only=values) for values in (True, False)]
             found = [[(sheet.title, _rows(sheet, path)) for sheet in book.worksheets] for book in books]
-        except ProjectError:
-            raise
-        except _UNREADABLE as error:
-            raise ProjectError(f"{path.name}: {_NO_WORKBOOK}") from error
-    for book in books:
-        book.close()
+    except ProjectError:
+        raise
+    except _UNREADABLE as error:
+        text = "file: not an XLSX workbook, or a damaged one; save it as .xlsx"
+        raise ProjectError(f"{path.name}: {text}") from error
     values, formulas = map(dict, found)
     if len(values) < len(found[0]):
         raise ProjectError(f"{path.name}: file: two sheets have one name; rename one of them")
     return values, formulas
-
-
-def _archive(path: Path) -> BytesIO:
-    """Return the bytes of a workbook. Raises ProjectError if damaged or too large, OSError if there are none."""
-    with path.open("rb") as file:
-        packed = BytesIO(file.read(MOST_BYTES + 1))
-    fault = _NO_WORKBOOK
-    try:
-        with ZipFile(packed) as archive:
-            size = sum(entry.file_size for entry in archive.infolist())
-            if size > MOST_BYTES:
-                text = f"holds {size} bytes, at most {MOST_BYTES}; delete rows, sheets and pictures"
-                fault = f"file: {text} that are no part of the project"
-            elif archive.testzip() is None:
-                # openpyxl passes over a sheet whose part is missing, and its stage would be switched off; of one that
-                # is there it reads on to the end, whatever it is asked for
-                sheets = [*filter(_SHEET_PART.search, archive.namelist())]
-                declared = archive.read(_WORKBOOK) if _WORKBOOK in archive.namelist() else b""
-                whole = len(_SHEET.findall(declared)) <= len(sheets)
-                longest = max((len(_ROW.findall(archive.read(part))) for part in sheets), default=0)
-                if longest > MOST_ROWS:
-                    text = f"a sheet of {longest} rows, at most {MOST_ROWS}, empty ones included"
-                    fault = f"file: {text}; delete those below the last entry"
-                elif whole:
-                    fault = ""
-    except _UNREADABLE:
-        fault = _NO_WORKBOOK
-    if fault:
-        raise ProjectError(f"{path.name}: {fault}")
-    return packed
 
 
 def _rows(sheet: Any, path: Path) -> Rows:
@@ -130,14 +118,6 @@ def _rows(sheet: Any, path: Path) -> Rows:
     return rows
 
 
-class _Entry(NamedTuple):
-    """A value, or the empty table that values go into, and the cell or row it was read from."""
-
-    path: schema.KeyPath
-    value: Any
-    place: str
-
-
 def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[schema.KeyPath, str], list[str]]:
     """Return the unchecked content of a spreadsheet, where each value stands, and what is wrong.
 
@@ -152,7 +132,7 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[schema.KeyPath, str], li
     ]
     faults += [
         f'{path.name}: sheet "{name}": unknown sheet; {nearest(name, _SHEETS)}'
-        for name in sorted(rows.keys() - _SHEETS.keys() - {"help"})  # which earlier versions wrote
+        for name in sorted(rows.keys() - _SHEETS.keys())
         if rows[name] or get_close_matches(name, _SHEETS, cutoff=0.8)
     ]
     content: dict[str, Any] = {}
@@ -167,20 +147,53 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[schema.KeyPath, str], li
     for name, table in _SHEETS.items():
         if name not in rows or any(table[: len(path)] == path for path in off):
             continue
-        entries = _table_entries(name, rows[name]) if name in _SINGLE else _list_entries(name, rows[name])
-        for entry in entries:
-            places[entry.path] = f'sheet "{name}"{entry.place}'
-            if fault := _put(content, entry):
-                faults.append(f"{path.name}: {places[entry.path]}: {fault}")
-    return _with_lists(content), places, faults
+        for entry, place, cells in _entries(name, rows[name]):
+            values = [((*entry, key), value, place) for key, value, place in cells if value is not None]
+            if not values and isinstance(_default_of(entry), schema.ProjectTable):
+                continue
+            given: Any = content
+            for part in entry:
+                given = given.setdefault(part, {})
+            values += [(entry, "", place)] if entry in places else []  # the second layer of a name
+            places[entry] = f'sheet "{name}"{place}'
+            for at, value, where in values:
+                wrong = ""
+                if at[-1:] == ("",):
+                    wrong = "has no key or name; write it in the first column or in the header"
+                elif at in _SINGLE.values():
+                    wrong = f'"{at[-1]}" has a sheet of its own; write it there'
+                elif at == entry or at[-1] in given:
+                    wrong = f'"{at[-1]}" appears twice; write it once'
+                else:
+                    given[at[-1]] = _typed(value, schema.annotation_at(at))
+                places[at] = f'sheet "{name}"{where}'
+                faults += [f"{path.name}: {places[at]}: {wrong}"] if wrong else []
+        if _FORMS.get(name) == "list" and name in content:
+            content[name] = [*content[name].values()]
+    return content, places, faults
 
 
-def _with_lists(node: Any) -> Any:
-    """Return a content with the tables of indices that `_put` makes as lists."""
-    if not isinstance(node, dict):
-        return node
-    values = {key: _with_lists(value) for key, value in node.items()}
-    return list(values.values()) if values and all(isinstance(key, int) for key in values) else values
+def _entries(name: str, rows: Rows) -> Iterator[tuple[schema.KeyPath, str, list[tuple[str, Any, str]]]]:
+    """Yield the tables of a sheet: their path and place, and the keys, values and places of their cells."""
+    if name in _SINGLE:
+        cells = [
+            (_text(row[0]).strip(), (*row, None)[1], f", cell B{number}") for number, row in rows.items()
+        ]
+        headed = bool(cells) and cells[0][0].lower() in {heads[0] for heads in HEADS.values()}
+        yield _SINGLE[name], "", [cell for cell in cells[headed:] if cell[0].lower() != ACTIVE]
+        return
+    header, *entries = [*rows.items()] or [(0, ())]
+    keys = [_text(key).strip() for key in header[1]]
+    first = 1 if name in _NAME else 0
+    for index, (number, row) in enumerate(entries):
+        yield (
+            (name, _text(row[0]) if first else index),
+            f", row {number}",
+            [
+                (keys[column] if column < len(keys) else "", value, f", cell {_letter(column)}{number}")
+                for column, value in enumerate(row[first:], first)
+            ],
+        )
 
 
 def _is_active(rows: Rows) -> bool | str:
@@ -208,18 +221,25 @@ def to_xlsx(content: Mapping[str, Any], marked: Collection[schema.KeyPath] = ())
         sheet = book.create_sheet(name)
         if name in _SINGLE:
             _fill(sheet, _table_rows(table, node, marked, language))
-            _offer(sheet, [(f"B{cell.row}", _path(table, cell.value)) for cell in sheet["A"][1:]])
+            _offer(sheet, [(f"B{cell.row}", (*table, cell.value)) for cell in sheet["A"][1:]])
             continue
-        _fill(sheet, _list_rows(name, node or {}))
-        headings = [(cell, _path((name, 0), _text(cell.value))) for cell in sheet[1]]
-        for cell, path in headings:
-            if meaning := schema.keys_at(path[:-1], language).get(str(path[-1])):
+        keys, named = _columns(name), _NAME.get(name, "")
+        tables = [{named: key, **each} for key, each in (node or {}).items()] if named else node or ()
+        _fill(sheet, [keys, *([_cell(each.get(key)) for key in keys] for each in tables)])
+        meanings = schema.keys_at((name, 0), language)
+        for cell in sheet[1]:
+            if meaning := meanings.get(cell.value):
                 cell.comment = Comment(meaning, "Assesto", height=80, width=260)
-        columns = ((cell.column_letter, path) for cell, path in headings)
-        _offer(sheet, [(f"{column}2:{column}{LAST}", path) for column, path in columns])
+        letters = {key: _letter(column) for column, key in enumerate(keys)}
+        _offer(sheet, [(f"{at}2:{at}{LAST}", (name, 0, key)) for key, at in letters.items()])
     file = BytesIO()
     book.save(file)
     return file.getvalue()
+
+
+def _columns(name: str) -> list[str]:
+    """Return the header of a sheet of several tables."""
+    return [*([_NAME[name]] if name in _NAME else []), *schema.keys_at((name, 0))]
 
 
 def _fill(sheet: Any, rows: Iterable[list[Any]]) -> None:
@@ -256,7 +276,7 @@ def _choices(path: schema.KeyPath) -> str:
     kinds = schema.alternatives(schema.annotation_at(path))
     sheet = _OF.get(schema.named_at(path) or "")
     if sheet and str in kinds:
-        column = _letter(next(_list_rows(sheet, {})).index("support" if sheet == "layers" else "name"))
+        column = _letter(_columns(sheet).index("support" if sheet == "layers" else "name"))
         return f"={sheet}!${column}$2:${column}${LAST}"
     chosen = [*map(str, _words(kinds))]
     for kind in (kind for kind in kinds if get_origin(kind) is tuple):
@@ -288,79 +308,13 @@ def _letter(column: int) -> str:
     return str(get_column_letter(column + 1))
 
 
-def _table_entries(name: str, rows: Rows) -> Iterator[_Entry]:
-    table = _SINGLE[name]
-    if table and (_default_at(table) is None or _default_at(table) is PydanticUndefined):
-        yield _Entry(table, {}, "")
-    for index, (number, row) in enumerate(rows.items()):
-        key, value = (*row, None)[:2]
-        word = str(key).strip().lower()
-        if value is None or word == ACTIVE or (index == 0 and word in {heads[0] for heads in HEADS.values()}):
-            continue
-        path = _path(table, _text(key).strip())
-        yield _Entry(path, _typed(value, schema.annotation_at(path)), f", cell B{number}")
-
-
-def _path(table: schema.KeyPath, key: str) -> schema.KeyPath:
-    """Return the path of a key with points below a table: `control.+x`, `SLV.ag_g`, `layers.NAME.friction`.
-
-    NAME, and that of an entry `hypotheses.1.NAME`, may have points itself.
-    """
-    first, _, rest = key.partition(".")
-    path: schema.KeyPath = (*table, first)
-    number, _, listed = rest.partition(".")
-    if _listed(path) and number.isdigit():
-        return (*path, int(number) - 1, listed)
-    form = schema.tables_of(schema.table_at(table) or schema.ProjectContent).get(first)
-    if form == "named":
-        name, _, inner = rest.rpartition(".")
-        return (*path, name, inner) if name else (*table, key)
-    if form == "single" and rest:
-        return _path(path, rest)
-    return (*path, *rest.split(".")) if rest else path
-
-
-def _listed(path: schema.KeyPath) -> bool:
-    """Whether the value at a path is a list of entries by name, which are no tables."""
-    kinds = schema.alternatives(schema.annotation_at(path))
-    members = [get_args(kind)[0] for kind in kinds if get_origin(kind) is tuple]
-    return any(get_origin(kind) is dict for member in members for kind in schema.alternatives(member))
-
-
-def _list_entries(name: str, rows: Rows) -> Iterator[_Entry]:
-    header, *entries = [*rows.items()] or [(0, ())]
-    keys = [_text(key).strip() for key in header[1]]
-    first = 1 if name in _NAME else 0
-    for index, (number, row) in enumerate(entries):
-        entry: schema.KeyPath = (name, _text(row[0]) if first else index)
-        yield _Entry(entry, {}, f", row {number}")
-        for column, value in enumerate(row[first:], first):
-            if value is not None:
-                path = _path(entry, keys[column] if column < len(keys) else "")
-                place = f", cell {_letter(column)}{number}"
-                yield _Entry(path, _typed(value, schema.annotation_at(path)), place)
-
-
-def _put(content: dict[str, Any], entry: _Entry) -> str:
-    """Put an entry into the content, lists as tables of their indices; return what is wrong, if anything."""
-    node: Any = content
-    for part in entry.path[:-1]:
-        node = node.setdefault(part, {})
-        if not isinstance(node, dict):
-            return "is a value and a table at once; write one of them"
-    key = entry.path[-1]
-    if key == "":
-        return "has no key or name; write it in the first column or in the header"
-    if key in node:
-        return f'"{key}" appears twice; write it once'
-    node[key] = entry.value
-    return ""
-
-
 def _typed(value: Any, annotation: Any) -> Any:
     """Return the content of a cell as the type its key asks for; left as it is where that cannot be."""
     value = value.strip() if isinstance(value, str) else value
     kinds = schema.alternatives(annotation)
+    if isinstance(value, str) and value.startswith(("{", "[{")) and any(map(_is_table, kinds)):
+        with suppress(tomllib.TOMLDecodeError):
+            return tomllib.loads(f"x = {value}")["x"]
     members = _words(kinds)
     lists = [kind for kind in kinds if get_origin(kind) is tuple]
     words = any(isinstance(member, str) for member in members)
@@ -387,6 +341,13 @@ def _typed(value: Any, annotation: Any) -> Any:
     return value
 
 
+def _is_table(kind: Any) -> bool:
+    """Whether a type is of tables, or of values by name, or of lists of them: a cell has these as the TOML file."""
+    if get_origin(kind) is tuple:
+        return any(map(_is_table, schema.alternatives(get_args(kind)[0])))
+    return get_origin(kind) is dict or (isinstance(kind, type) and issubclass(kind, schema.ProjectTable))
+
+
 def _number(text: str, kinds: tuple[Any, ...]) -> Any:
     if bool in kinds:
         word = text.strip().lower()
@@ -408,55 +369,27 @@ def _text(value: Any) -> str:
 def _table_rows(
     table: schema.KeyPath, node: Mapping[str, Any] | None, marked: Collection[schema.KeyPath], language: str
 ) -> Iterator[list[Any]]:
-    comments = schema.keys_at(table, language)
+    meanings = schema.keys_at(table, language)
     yield [*HEADS[language]]
-    own = {**(node or {}), **dict.fromkeys(comments, None), **(node or {})}
-    here = [key for key in own if (*table, key) not in _SHEETS.values() and (table or key not in _FORMS)]
-    absent = [key for key in here if own[key] is None and schema.table_at((*table, key))]
-    rows = _flat(table, {key: own[key] for key in here if key not in absent})
-    rows |= {f"{key}.{inner}": None for key in absent for inner in schema.keys_at((*table, key))}
-    for key, value in rows.items():
-        first, _, rest = key.partition(".")
-        meaning = schema.keys_at((*table, first), language).get(rest, comments[first])
-        yield [key, _cell(value), (MARK[language] if (*table, key) in marked else "") + meaning]
-    if table and _default_at(table) is None:
+    for key, value in {**(node or {}), **dict.fromkeys(meanings), **(node or {})}.items():
+        if (*table, key) not in _SHEETS.values():
+            mark = MARK[language] if (*table, key) in marked else ""
+            yield [key, _cell(value), mark + meanings[key]]
+    if table and _default_of(table) is None:
         yield [ACTIVE, YES[0] if node is not None else NO[0], IN_USE[language]]
 
 
-def _default_at(table: schema.KeyPath) -> Any:
-    """Return the default of a table: None, it may be absent; PydanticUndefined, it must not."""
+def _default_of(table: schema.KeyPath) -> Any:
+    """Return what an absent table is: None, or one of defaults; anything else where it is required, or of a list."""
     above = schema.table_at(table[:-1]) or schema.ProjectContent
-    return above.model_fields[str(table[-1])].default
-
-
-def _list_rows(name: str, node: Any) -> Iterator[list[Any]]:
-    entries = [{_NAME[name]: key, **table} for key, table in node.items()] if name in _NAME else node
-    tables = schema.tables_of(schema.table_at((name, 0)) or schema.ProjectContent)
-    rows = [_flat((name, 0), entry) for entry in entries]
-    keys = dict.fromkeys([_NAME[name]] if name in _NAME else [])
-    keys |= dict.fromkeys(key for key in schema.keys_at((name, 0)) if key not in tables)
-    for key, form in tables.items():
-        keys |= dict.fromkeys(f"{key}.{k}" for k in schema.keys_at((name, 0, key)) if form == "single")
-    keys |= dict.fromkeys(key for row in rows for key in row if key.partition(".")[0] in tables)
-    yield [*keys]
-    yield from ([_cell(row.get(key)) for key in keys] for row in rows)
-
-
-def _flat(table: schema.KeyPath, node: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of a table by their keys, those of tables and named entries in it as `_path` reads them."""
-    row: dict[str, Any] = {}
-    for key, value in node.items():
-        if _listed((*table, key)) and isinstance(value, list):
-            row |= {f"{key}.{n}.{k}": each for n, entry in enumerate(value, 1) for k, each in entry.items()}
-        elif isinstance(value, Mapping):
-            row |= {f"{key}.{k}": each for k, each in _flat((*table, key), value).items()}
-        else:
-            row[key] = value
-    return row
+    return above.model_fields[str(table[-1])].default if table and table[-1] in above.model_fields else ()
 
 
 def _cell(value: Any) -> Any:
-    """Return a value as one cell: lists joined by semicolons, with quotes where a text needs them."""
+    """Return a value as one cell: lists joined by semicolons, texts in quotes where they need them; tables as TOML."""
+    listed = value if isinstance(value, list) else [value]
+    if any(isinstance(each, Mapping) for each in listed):
+        return inline(value)
     if isinstance(value, list | tuple):
         if any(isinstance(each, list | tuple) for each in value):  # pairs
             value = [number for pair in value for number in pair]

@@ -16,7 +16,7 @@ LINES = {
     "assessment/benchmark": 1020,
     "assessment/cli": 630,
     "assessment/ntc": 2111,
-    "assessment/project": 4566,
+    "assessment/project": 4510,
     "assessment/report": 5731,
     "assessment/results": 3202,
     "assessment/runtime": 1379,

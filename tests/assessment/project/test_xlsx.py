@@ -91,7 +91,7 @@ def test_every_table_has_a_sheet_and_those_out_of_use_say_no(folder):
     assert set(ProjectContent.model_fields) - set(book.sheetnames) <= {"title", "accuracy", "scatter"}
     last = book["campaign"].max_row
     assert [cell.value for cell in book["campaign"][last]][:2] == ["active", "no"]
-    assert [row[0].value for row in book["assessment"].iter_rows()].count("floor.height_m") == 1
+    assert [row[0].value for row in book["floor"].iter_rows()].count("height_m") == 1
     used = changed(folder, ("campaign", f"B{last}", "sì"), ("campaign", "B2", "a.acc"))
     assert used.campaign.records == ("a.acc",)
     last = book["incremental"].max_row
@@ -176,8 +176,8 @@ def test_blank_rows_comments_and_a_blank_sheet_are_no_content(folder):
         ("settlements", "C2", "0.1", "settlements[1].displacement_m", "[0.1] is wrong; write two numbers"),
         ("settlements", "C2", "0;x", "settlements[1].displacement_m[2]", '"x" is wrong; write a number'),
         ("control", "A3", "C1", "control[2].name", '"C1" is the name of an earlier entry'),
-        ("layers", "H2", 0, "layers.0.depth_m", "0 is wrong; write a number greater than 0"),
-        ("pushover", "B3", "C7", "pushover.control.+x", 'no control point "C7"; did you mean'),
+        ("layers", "I2", 0, "layers.0.depth_m", "0 is wrong; write a number greater than 0"),
+        ("pushover", "B3", '{"+x" = "C7"}', "pushover.control.+x", 'no control point "C7"; did you mean'),
         ("history", "A3", "b.acc", "history[2].record", 'no file "b.acc" in the project folder; did you'),
         ("site", "B2", "S", "assessment.site.soil", '"S" is wrong; write "A", "B"'),
         ("incremental", "B2", "a.acc; *.AT2", "incremental.records[2]", 'no file "*.AT2"'),
