@@ -1,4 +1,4 @@
-"""The parts of docs/ that are made from the program: keys of results.json, validation table, templates, pictures.
+"""The parts of docs/ that are made from the program: keys of the files, validation table, templates, pictures.
 
 `python -m tools.docs_pages` makes them anew.
 
@@ -17,6 +17,8 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel
 
+from assessment.project import schema
+from assessment.project.toml import inline, toml_header
 from assessment.results.schema import Results
 from tools import floor_spectra, templates
 
@@ -101,8 +103,38 @@ def validation_table() -> str:
     return "\n".join([*lines, ""])
 
 
+def project_keys() -> str:
+    """Return a section for each table of the project file, with its keys, their defaults and meanings."""
+    return "\n".join(_project_sections((), set()))
+
+
+def _project_sections(path: schema.KeyPath, told: set[type[BaseModel]]) -> Iterator[str]:
+    """Yield the sections of a table and of those in it that are not told yet."""
+    table = schema.table_at(path) or schema.ProjectContent
+    told.add(table)
+    base = table.__base__
+    known = base.model_fields.keys() if base in told and base is not None else ()
+    inner, about = schema.tables_of(table), cleandoc(table.__doc__ or "").partition("\n")[0]
+    header, meaning = "".join(toml_header(path)), about.partition(": ")[2] or about
+    lines = [f"### `{header}`" if header else "### At the top", "", meaning[:1].upper() + meaning[1:], ""]
+    lines += ["| key | default | meaning |", "|---|---|---|"]
+    for key, field in table.model_fields.items():
+        if key not in inner and key not in known:
+            absent = field.is_required() or field.default in (None, "", ())
+            default = (
+                "**required**" if field.is_required() else "" if absent else f"`{inline(field.default)}`"
+            )
+            lines.append(f"| `{key}` | {default} | {(field.description or '').replace('|', chr(92) + '|')} |")
+    yield "\n".join([*lines, ""])
+    ends: dict[str, schema.KeyPath] = {"single": (), "list": (0,), "named": ("NAME",)}
+    for key, form in inner.items():
+        if schema.table_at((*path, key)) not in told:
+            yield from _project_sections((*path, key, *ends[form]), told)
+
+
 PARTS: dict[str, Callable[[], str]] = {
     "results.md": results_keys,
+    "howto/project_file.md": project_keys,
     "validation.md": validation_table,
     "howto/templates.md": templates.dimensions,
 }

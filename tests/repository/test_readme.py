@@ -2,7 +2,6 @@
 
 import re
 import tomllib
-from collections.abc import Iterator
 from typing import get_args
 
 import pytest
@@ -12,23 +11,13 @@ from assessment.benchmark.command import BENCHMARKS
 from assessment.cli import commands
 from assessment.cli import main as arguments
 from assessment.project.catalogue import ARCHES, WALLS
-from assessment.project.schema import (
-    KeyPath,
-    MotionTable,
-    ProjectContent,
-    ProjectTable,
-    annotation_at,
-    table_at,
-    tables_of,
-)
+from assessment.project.schema import MotionTable
 from assessment.report.printing import APT_COMMAND, COMMANDS
 from tests import ROOT
 
 FILES = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]
 PAGES = {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in FILES}
-KEYS, RUN = "docs/howto/project_file.md", "docs/howto/run.md"
-ABSENT = (None, "", ())  # defaults that mean that a key is left out
-TOP = "top"
+RUN = "docs/howto/run.md"
 
 
 def rows(heading: str, page: str = "README.md") -> list[list[str]]:
@@ -42,85 +31,6 @@ def rows(heading: str, page: str = "README.md") -> list[list[str]]:
             return found
         found.append([cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]])
     return found
-
-
-def without_brackets(text: str) -> str:
-    """A cell without what stands in round brackets, nested ones and links too."""
-    while "(" in text:
-        text = re.sub(r"\([^()]*\)", "", text)
-    return text
-
-
-def keys_of(cell: str) -> Iterator[tuple[str, bool, str | None]]:
-    """Each key of a row: its name, whether it is bold, and the default that is written."""
-    for part in re.split(r",\s+(?![^\[]*\])", without_brackets(cell)):
-        found = re.fullmatch(r"(\*\*)?(\w+)(?:\*\*)?(?: = (.+))?", part.strip())
-        assert found, part
-        yield found[2], bool(found[1]), found[3]
-
-
-def path_of(name: str) -> tuple[str, ...]:
-    """Where a table stands in the content: [layers.NAME] is an entry of layers."""
-    return () if name == TOP else tuple(re.sub(r"[`\[\]]", "", name).split("."))
-
-
-def place_of(path: tuple[str, ...]) -> KeyPath:
-    """The path in the content: of each list on the way its first entry."""
-    found: KeyPath = ()
-    for part in path:
-        table = table_at(found) or ProjectContent
-        found = (*found, part, 0) if tables_of(table).get(part) == "list" else (*found, part)
-    return found
-
-
-def table_of(name: str) -> type[ProjectTable]:
-    found = ProjectContent if name == TOP else table_at(place_of(path_of(name)))
-    assert found is not None, name
-    return found
-
-
-TABLES = {cells[0]: cells[1] for cells in rows("table | keys", KEYS)}
-
-
-@pytest.mark.parametrize("name", TABLES)
-def test_the_keys_of_a_table_their_defaults_and_what_is_required(name):
-    """README had [pushover] contacts = ["rigid", "elastic"] as the default; it is ["rigid"]."""
-    table = table_of(name)
-    inner = tables_of(table)
-    listed = {key: (bold, default) for key, bold, default in keys_of(TABLES[name])}
-    fields = {key: field for key, field in table.model_fields.items() if key not in inner}
-    assert listed.keys() == fields.keys()
-    for key, field in fields.items():
-        bold, written = listed[key]
-        assert bold == field.is_required(), key
-        if field.is_required() or field.default in ABSENT:
-            assert written is None, key
-            continue
-        assert written is not None, f"{key}: default {field.default!r} is not written"
-        value = tomllib.loads(f"x = {written}")["x"]
-        assert (tuple(value) if isinstance(value, list) else value) == field.default, key
-        assert type(value) is type(field.default) or isinstance(value, list), key
-
-
-def test_every_table_of_the_schema_has_a_row_in_the_form_of_the_file():
-    written = {path_of(name): name for name in TABLES}
-
-    def forms(path: tuple[str, ...], table: type[ProjectTable]) -> Iterator[tuple[tuple[str, ...], str]]:
-        for key, form in tables_of(table).items():
-            inner, here = table_at(place_of((*path, key))), (*path, key)
-            assert inner is not None
-            if here[-1] in {"SLD", "SLC"}:  # said in the row of SLV
-                continue
-            shown = ".".join(here)
-            yield {
-                "single": (here, f"`[{shown}]`"),
-                "list": (here, f"`[[{shown}]]`"),
-                "named": ((*here, "NAME"), f"`[{shown}.NAME]`"),
-            }[form]
-            yield from forms((*here, "NAME") if form == "named" else here, inner)
-
-    assert {(): TOP} | dict(forms((), ProjectContent)) == written
-    assert annotation_at(("layers", "NAME")) is not None
 
 
 def parsers() -> dict[str, set[str]]:

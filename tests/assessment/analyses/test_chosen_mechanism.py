@@ -330,16 +330,13 @@ def test_a_project_with_mechanisms(project):
         ("blocks = [7]\n", "mechanism[1].blocks: no block 7; write 0 to 1"),
         ("blocks = [0]\n", "mechanism[1].blocks: block 0 is a support"),
         ("region_m = [5.0, 5.0, 6.0, 6.0]\n", "mechanism[1]: no movable block is chosen"),
-        (
-            "region_m = [0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0]\n",
-            "mechanism[1].region_m: the outline crosses itself",
-        ),
+        ("region_m = [0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0]\n", "mechanism[1].region_m: the outline crosses itself"),
         (
             'blocks = [1]\n[[mechanism]]\nname = "m"\nabout_m = [0, 0]\nblocks = [1]\n',
             "mechanism[2]: block 1 is in another",
         ),
     ],
-)
+)  # fmt: skip
 def test_a_wrong_choice_is_named_before_any_analysis(project, capsys, text, says):
     written(project, f'\n[[mechanism]]\nname = "m"\nabout_m = [0.3, 0.0]\n{text}')
     assert main(["check", str(project)]) == 2

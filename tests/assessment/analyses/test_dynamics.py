@@ -218,21 +218,12 @@ def test_a_vertical_record_of_another_step_shakes_at_its_own_instants(tmp_path, 
         ("window_s = [0.5, 9.0]\n", r"history\[1\].*wave.csv.*window"),
         ("damping_ratio = 0.05\n", r"history\[1\]\.damping_ratio"),
         ('vertical_record = "short.csv"\n', r"history\[1\]\.vertical_record.*short.csv"),
-        (
-            'vertical_record = "knock.csv"\n',
-            r"knock.csv: .* of 0.02 s .*PGA of 1 g; write time_step_s = 0.005,",
-        ),
-        (
-            "time_step_s = 0.25\n",
-            r"history\[1\]: wave.csv: a step of 0.25 s .* write time_step_s = 0.02, its own",
-        ),
+        ('vertical_record = "knock.csv"\n', r"knock.csv: .* of 0.02 s .*PGA of 1 g; write time_step_s = 0.005,"),
+        ("time_step_s = 0.25\n", r"history\[1\]: wave.csv: a step of 0.25 s .* write time_step_s = 0.02, its own"),
         ("time_step_s = 9.0\n", r"history\[1\]: wave.csv: a step of 9 s does not keep its PGA"),
-        (
-            '[incremental]\nrecords = ["knock.csv"]\ntime_step_s = 0.01\n',
-            r"incremental: knock.csv: a step of 0.01 s",
-        ),
+        ('[incremental]\nrecords = ["knock.csv"]\ntime_step_s = 0.01\n', r"incremental: knock.csv: a step of 0.01 s"),
     ],
-)
+)  # fmt: skip
 def test_motions_that_do_not_fit_are_refused_by_key(tmp_path, extra, named):
     _project(tmp_path / "block")
     np.savetxt(tmp_path / "block" / "short.csv", np.column_stack([TIME, WAVE])[:50], delimiter=",")

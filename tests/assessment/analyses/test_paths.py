@@ -288,16 +288,8 @@ def test_a_state_that_was_not_reached_is_no_beginning(tmp_path):
 @pytest.mark.parametrize(
     ("tables", "key", "said"),
     [
-        (
-            (FORTH, BACK.replace('after = "forth"', 'after = "fort"')),
-            "settlements[2].after",
-            'did you mean "forth"?',
-        ),
-        (
-            (FORTH + 'after = "back"\n', BACK),
-            "settlements[1].after",
-            "the movements begin in each other's states",
-        ),
+        ((FORTH, BACK.replace('after = "forth"', 'after = "fort"')), "settlements[2].after", 'did you mean "forth"?'),
+        ((FORTH + 'after = "back"\n', BACK), "settlements[1].after", "the movements begin in each other's states"),
         ((FORTH + 'after = "forth"\n',), "settlements[1].after", "begin in each other's states"),
         (
             (
@@ -311,7 +303,7 @@ def test_a_state_that_was_not_reached_is_no_beginning(tmp_path):
         ((FORTH, BACK + "steps = 4\n", "[pushover]\n"), "settlements[2].steps", "leave it out"),
         ((FORTH, BACK, '[campaign]\nrecords = ["generate:3"]\n'), "campaign.settlements", '"back" does not'),
     ],
-)
+)  # fmt: skip
 def test_what_has_no_beginning_is_refused(tmp_path, tables, key, said):
     with pytest.raises(ProjectError) as refused:
         project(tmp_path / "p", *tables)

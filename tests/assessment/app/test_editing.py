@@ -50,11 +50,7 @@ def test_entries_are_deleted_with_their_comments_and_the_last_one_with_its_key()
 @pytest.mark.parametrize(
     ("path", "value", "said"),
     [
-        (
-            ("material", "friction"),
-            -1,
-            "project.toml: material.friction: -1 is wrong; write a number not less",
-        ),
+        (("material", "friction"), -1, "project.toml: material.friction: -1 is wrong; write a number not less"),
         (("material", "friction"), "0,5", "0.5"),
         (("material", "colour"), "red", "material.colour: unknown key"),
         (("title",), "", "title"),
@@ -63,7 +59,7 @@ def test_entries_are_deleted_with_their_comments_and_the_last_one_with_its_key()
         (("title", "more"), 1, "there is no such place"),
         (("control", 7, "name"), "far", "control"),
     ],
-)
+)  # fmt: skip
 def test_what_the_schema_refuses_is_said_at_its_key(path, value, said):
     with pytest.raises(ProjectError, match=said.replace("[", r"\[")):
         edited(COMMENTED, [(path, value)])

@@ -145,20 +145,14 @@ def test_an_example_is_a_project_of_ones_own(tmp_path, capsys, name):
         (["rum", "arch"], 'error: assesto rum: no such command; did you mean "run"?'),
         (["--quiet", "reprot"], 'error: assesto reprot: no such command; did you mean "report"?'),
         (["zzz"], 'error: assesto zzz: no such command; valid: "run", "check", "status"'),
-        (
-            ["run", "arch", "--onyl", "pushover"],
-            'assesto run: --onyl: no such option; did you mean "--only"?',
-        ),
-        (
-            ["run", "arch", "--no-reprot"],
-            'assesto run: --no-reprot: no such option; did you mean "--no-report"?',
-        ),
+        (["run", "arch", "--onyl", "pushover"], 'assesto run: --onyl: no such option; did you mean "--only"?'),
+        (["run", "arch", "--no-reprot"], 'assesto run: --no-reprot: no such option; did you mean "--no-report"?'),
         (["new", "a", "--tempalte=arch"], '--tempalte: no such option; did you mean "--template"?'),
         (["check", "a", "b"], "assesto check: b: one argument too many; see assesto check --help"),
         (["ru\x1b[31m\nn"], r"error: assesto ru\x1b[31m\nn: no such command"),
         (["run", "arch", "--fr\x1b[31m"], r"assesto run: --fr\x1b[31m: no such option"),
     ],
-)
+)  # fmt: skip
 def test_what_is_misspelt_is_told_with_the_nearest_name(capsys, arguments, says):
     assert main(arguments) == WRONG_INPUT
     out, err = capsys.readouterr()

@@ -16,11 +16,7 @@ pytestmark = pytest.mark.usefixtures("quick")
 
 # what is wrong: text of the project, its replacement, what the message says
 WRONG = {
-    "unknown key": (
-        "friction = 0.7",
-        "fricton = 0.7",
-        'material.fricton: unknown key; did you mean "friction"',
-    ),
+    "unknown key": ("friction = 0.7", "fricton = 0.7", 'material.fricton: unknown key; did you mean "friction"'),
     "a folder": ('"geometry.dxf"', '"."', 'geometry.drawing: "." is a folder; name a file'),
     "control outside": (
         "[0.3, 4.2]",
@@ -34,7 +30,7 @@ WRONG = {
     ),
     "unknown layer": ("[layers.BASE]", "[layers.BASIS]", "BASIS"),
     "not TOML": ("[geometry]", "[geometry", ""),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("verb", ["run", "check"])

@@ -109,14 +109,11 @@ def lines(folder):
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (
-            lambda folder: None,
-            "g.dxf: cannot be read (No such file or directory); give the path of a DXF file",
-        ),
+        (lambda folder: None, "g.dxf: cannot be read (No such file or directory); give the path of a DXF file"),
         (lambda folder: (folder / "g.dxf").write_bytes(b"AC1032 a DWG"), "DWG"),
         (lines, "nothing closed is in model space, but 1 LINE; draw each block as one closed polyline"),
     ],
-)
+)  # fmt: skip
 def test_what_is_no_drawing_of_blocks_is_refused_and_nothing_written(make, said, tmp_path, capsys):
     make(tmp_path)
     assert main(["new", str(tmp_path / "p"), "--drawing", str(tmp_path / "g.dxf")]) == 2

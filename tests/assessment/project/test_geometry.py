@@ -148,17 +148,13 @@ def test_new_project_loads_and_its_drawing_holds_the_layout(template: str, tmp_p
         ("facade", {"tie_kN": -1.0}, "tie_kN: is -1; must be a number, in kN, from 0 to"),
         ("arcade", {"pier_width_m": 0.5}, "the ring's foot is 0.3 m wide, its support 0.25 m"),
         ("wall-with-openings", {"openings": 5}, "opening_width_m: with its lintel wider than the 1.4 m"),
-        (
-            "wall-with-openings",
-            {"opening_height_m": 2.1},
-            "opening_height_m: sill, opening and lintel take 11 of 10",
-        ),
+        ("wall-with-openings", {"opening_height_m": 2.1}, "opening_height_m: sill, opening and lintel take 11 of 10"),
         ("wall", {"moving_blocks": 6}, "moving_blocks: must be fewer than blocks"),
         ("buttressed-arch", {"pier_width_m": 0.03}, "the ring's foot is"),
         ("triumphal-arch", {"height_m": 5.0}, "height_m: must be above the ring's crown"),
         ("triumphal-arch", {"beams": 80}, "beams: 80 beams of 0.2 m do not fit"),
     ],
-)
+)  # fmt: skip
 def test_wrong_options_are_named_and_nothing_is_written(
     template: str, options: dict[str, float], message: str, tmp_path: Path
 ) -> None:

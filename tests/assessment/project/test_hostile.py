@@ -2,7 +2,7 @@
 
 import csv
 import json
-import re
+import os
 import shutil
 import zipfile
 from html.parser import HTMLParser
@@ -14,33 +14,18 @@ from assessment.cli.main import main
 from assessment.project.xlsx import to_xlsx
 from assessment.runtime.cache import FOLDER
 from assessment.runtime.progress import NAME as JOURNAL
-from tests import ROOT
 from tests.support.block_project import PUSHED, block, command, write_block
 from tests.support.hostile.corpus import KINDS, SHEETS, tried
 from tests.support.hostile.judge import COMPLETED, REFUSED
 from tests.support.hostile.named import COMPLETE, REFUSALS
 
-SHARE = 0.03  # of the inputs; `python -m tests.support.hostile` tries all
+SHARE = 1.0 if os.environ.get("ASSESTO_STRESS") == "long" else 0.03  # of the inputs
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_inputs_of_a_kind(kind):
     counts = tried(KINDS[kind], SHARE)
     assert counts["tried"] == counts[REFUSED] + counts[COMPLETED] >= int(SHARE * KINDS[kind].count)
-
-
-def test_the_counts_in_the_docs_are_of_these_inputs():
-    text = (ROOT / "docs" / "validation.md").read_text(encoding="utf-8")
-    table = re.search(r"\| input +\|.*?\n\n", text, re.DOTALL)
-    assert table is not None
-    _, _, *rows = ([cell.strip() for cell in row.split("|")[1:-1]] for row in table[0].splitlines() if row)
-    told = {name: [int(count) for count in counts] for name, *counts in rows}
-    expected = {name: kind.count for name, kind in KINDS.items()} | {"named cases": len(REFUSALS | COMPLETE)}
-    assert {name: counts[0] for name, counts in told.items() if name != "all"} == expected
-    assert told.pop("all") == [sum(column) for column in zip(*told.values(), strict=True)]
-    assert all(
-        made == refused + completed and not failed for made, refused, completed, failed in told.values()
-    )
 
 
 @pytest.mark.parametrize("case", REFUSALS)

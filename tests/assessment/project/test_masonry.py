@@ -118,21 +118,15 @@ def test_a_pier_is_as_wide_as_its_blocks_and_a_plinth_as_high_as_its_course(long
     [
         ("course_m = 0.01, block_m = 0.6", "layers.WALL.bond.course_m: 0.01 makes 300 courses, at most 100"),
         ("course_m = 0.3, block_m = 0.001", "layers.WALL.bond.block_m: 0.001 makes more than 10000 blocks"),
-        (
-            "course_m = 300, block_m = 600",
-            "layers.WALL.bond.course_m: 300 is wrong; write a number not greater than 3",
-        ),
-        (
-            "course_m = 0.3, block_m = 60",
-            "layers.WALL.bond.block_m: 60 is wrong; write a number not greater than 5",
-        ),
+        ("course_m = 300, block_m = 600", "layers.WALL.bond.course_m: 300 is wrong; write a number not greater than 3"),
+        ("course_m = 0.3, block_m = 60", "layers.WALL.bond.block_m: 60 is wrong; write a number not greater than 5"),
         ("course_m = 3.0, block_m = 4.0", "layers.WALL.bond.block_m: a block would enclose an opening"),
         (
             'pattern = "english", course_m = 0.3, block_m = 0.6',
             'layers.WALL.bond.pattern: "english" is wrong; write "running"',
         ),
     ],
-)
+)  # fmt: skip
 def test_bonds_that_cannot_be(bond, said, tmp_path):
     toml = TOML.replace('pattern = "running", course_m = 0.3, block_m = 0.6', bond)
     assert said in refusal(tmp_path, toml, WALL=[WALL, [(1, 1), (2, 1), (2, 2), (1, 2)]])

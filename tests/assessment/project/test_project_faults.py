@@ -124,10 +124,7 @@ WRONG = [
         "friction = 0.6", "tangential_stiffness_kN_m3 = 1e300", "material.tangential_stiffness_kN_m3",
         "1e+300 is more than 1e+11; write inf for a joint that is rigid in shear",
     ),
-    (
-        "= 1.2e5", f"= {'[' * 90}{']' * 90}", "material.normal_stiffness_kN_m3",
-        '[[["…"]]] is wrong; write a number',
-    ),
+    ("= 1.2e5", f"= {'[' * 90}{']' * 90}", "material.normal_stiffness_kN_m3", '[[["…"]]] is wrong; write a number'),
     ("= 1.2e5", f"= 0x{'f' * 5000}", "material.normal_stiffness_kN_m3", "some 6021 digits"),
     ("[layers.ROOF]", '[layers."ROOF\\n"]', 'layers."ROOF\\n"', "control characters"),
     (
@@ -162,10 +159,7 @@ WRONG = [
         "holds up to a building_height_m of 40",
     ),
     ('spectrum = "ntc"', f'spectrum = "record"\n{FLOOR}', "assessment.floor", "taken as that of the ground"),
-    (
-        BEFORE_REPORT, FLOOR + "higher_periods_s = [0.1]\n", "assessment.floor.higher_participations",
-        "one γ_k",
-    ),
+    (BEFORE_REPORT, FLOOR + "higher_periods_s = [0.1]\n", "assessment.floor.higher_participations", "one γ_k"),
     ('soil = "B"', f'soil = "B"\nSLV = {HAZARD}', "assessment.site", "keep one of the two"),
 ]  # fmt: skip
 
@@ -314,46 +308,18 @@ def said(folder, hypotheses, *entries):
     ("hypotheses", "entries", "expected"),
     [
         ('[{ dstro = ["x"] }]', [CRACK], 'identification.hypotheses[1].dstro: no support "dstro"'),
-        (
-            f"{GOOD[:-1]}, {GOOD[1:]}",
-            [CRACK],
-            "identification.hypotheses[2]: the same as an earlier hypothesis",
-        ),
-        (
-            '[{ destro = ["x", "z"] }]',
-            [CRACK],
-            "identification.hypotheses[1]: 2 unknowns from 1 measurements",
-        ),
+        (f"{GOOD[:-1]}, {GOOD[1:]}", [CRACK], "identification.hypotheses[2]: the same as an earlier hypothesis"),
+        ('[{ destro = ["x", "z"] }]', [CRACK], "identification.hypotheses[1]: 2 unknowns from 1 measurements"),
         (GOOD, [], "identification: there is nothing to explain; add [[measurement]]"),
         (GOOD, [CRACK.replace('"crack"', '"crak"')], 'measurement[1].kind: "crak" is wrong; write "crack"'),
-        (
-            GOOD,
-            [CRACK.replace("sigma_mm = 0.2", "")],
-            "measurement[1].sigma_mm: missing; a measurement of kind",
-        ),
+        (GOOD, [CRACK.replace("sigma_mm = 0.2", "")], "measurement[1].sigma_mm: missing; a measurement of kind"),
         (GOOD, [CRACK.replace("2.0", "-2.0")], "measurement[1].opening_mm: -2 is negative"),
-        (
-            GOOD,
-            [LEAN.replace("sigma_mrad", "sigma_mm")],
-            'measurement[1].sigma_mm: does not go with kind = "lean"',
-        ),
-        (
-            GOOD,
-            [SPAN.replace("[-0.27, 0.5]", "[0.28, 0.5]")],
-            "measurement.span.from_m: in the same block as point_m",
-        ),
-        (
-            GOOD,
-            [SPAN.replace("[0.27, 0.5]", "[0.0, 0.5]", 1)],
-            "span.point_m: [0.0, 0.5] must be in or on a block",
-        ),
-        (
-            GOOD,
-            [entry("air", "crack", (0.0, 0.5), 1.0)],
-            "measurement.air.point_m: [0.0, 0.5] is at no joint",
-        ),
+        (GOOD, [LEAN.replace("sigma_mrad", "sigma_mm")], 'measurement[1].sigma_mm: does not go with kind = "lean"'),
+        (GOOD, [SPAN.replace("[-0.27, 0.5]", "[0.28, 0.5]")], "measurement.span.from_m: in the same block as point_m"),
+        (GOOD, [SPAN.replace("[0.27, 0.5]", "[0.0, 0.5]", 1)], "span.point_m: [0.0, 0.5] must be in or on a block"),
+        (GOOD, [entry("air", "crack", (0.0, 0.5), 1.0)], "measurement.air.point_m: [0.0, 0.5] is at no joint"),
     ],
-)
+)  # fmt: skip
 def test_one_message_for_each_slip(tmp_path, hypotheses, entries, expected):
     found = said(tmp_path, hypotheses, *entries)
     assert expected in found and len(found.splitlines()) <= 2

@@ -130,21 +130,15 @@ def test_a_number_is_a_number(results, value):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (
-            lambda c: c.pop("format"),
-            f"format: no format, this version reads {FORMAT}: written by another version",
-        ),
+        (lambda c: c.pop("format"), f"format: no format, this version reads {FORMAT}: written by another version"),
         (lambda c: c.update(format=FORMAT + 1), f"format: format {FORMAT + 1}, this version reads {FORMAT}"),
         (lambda c: c["model"].pop("weight_kN"), "model.weight_kN: missing: damaged, or written by another"),
-        (
-            lambda c: c["geometry"]["blocks"][1].update(depth_m=None),
-            "geometry.blocks[1].depth_m: Input should be",
-        ),
+        (lambda c: c["geometry"]["blocks"][1].update(depth_m=None), "geometry.blocks[1].depth_m: Input should be"),
         (lambda c: c["quality"].update(a=1, b=2), "quality.a: unknown key (and 1 more): damaged"),
         (lambda c: c.pop("geometry"), "geometry: missing: damaged"),
     ],
     ids=["no format", "newer", "missing", "null", "unknown", "cut short"],
-)
+)  # fmt: skip
 def test_what_is_read_is_held_against_the_schema(results, tmp_path, change, said):
     """One message that names file and key."""
     content = copy.deepcopy(results)

@@ -91,6 +91,22 @@ def test_where_one_file_cannot_be_moved_those_before_it_are_moved_back(folder, m
     assert texts(folder) == BEFORE
 
 
+@pytest.mark.parametrize("moves", range(1, len(OLD) + len(NEW)))
+def test_a_kill_between_two_moves_leaves_no_results(folder, monkeypatch, moves):
+    """The next run then writes them: results.json goes first and comes last."""
+    replace, calls = Path.replace, iter(range(100))
+
+    def until_killed(path: Path, target: Path) -> Path:
+        if next(calls) >= moves:
+            raise KeyboardInterrupt  # again where the others are to be moved back
+        return replace(path, target)
+
+    monkeypatch.setattr(Path, "replace", until_killed)
+    with pytest.raises(KeyboardInterrupt):
+        put(folder)
+    assert "results.json" not in texts(folder)
+
+
 def test_what_a_killed_process_left_goes(tmp_path):
     others = [".a.tmp", "a.1.tmp", ".a.b.tmp", ".a.svg.3.tmp"]
     for name in (".a.svg.2.tmp", ".project.xlsx.2.tmp", *others):

@@ -329,19 +329,11 @@ def test_records_are_made_to_the_spectrum_of_the_site(block, monkeypatch):
         ("signs = [1]", 'measure = "Sa(T)"', "campaign.period_s: missing"),
         ("signs = [1]", 'method = "stripes"', "campaign.levels_g: missing"),
         ("signs = [1]", "scale_limits = [2.0, 0.5]", "campaign.scale_limits: [2, 0.5] is no range; write"),
-        (
-            "shares = [0.0, 1.0]",
-            "shares = [0.0, 1e-6, 1.0]",
-            "campaign.shares[2]: 1e-06 of the movement moves",
-        ),
+        ("shares = [0.0, 1.0]", "shares = [0.0, 1e-6, 1.0]", "campaign.shares[2]: 1e-06 of the movement moves"),
         ("shares = [0.0, 1.0]", "shares = [1.0, 0.0]", "campaign.shares: not in order"),
-        (
-            "signs = [1]",
-            "curve_members = [1, 3]",
-            "campaign.curve_members[2]: 3: scatter = 2 runs no such member",
-        ),
+        ("signs = [1]", "curve_members = [1, 3]", "campaign.curve_members[2]: 3: scatter = 2 runs no such member"),
     ],
-)
+)  # fmt: skip
 def test_wrong_input_is_refused_by_key(block, capsys, old, new, text):
     edit(block, old, new)
     assert run(block) == 2

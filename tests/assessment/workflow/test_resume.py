@@ -68,10 +68,7 @@ EDITS: dict[str, tuple[str, str, dict[str, float]]] = {
     "the increment of the pushover": ("increment_m = 0.2", "increment_m = 0.1", {"pushover": 1.0}),
     "elastic contacts too": ('contacts = ["rigid"]', 'contacts = ["rigid", "elastic"]', {}),
     # one state of the two
-    "the movement": (
-        "rotation_rad = -0.02", "rotation_rad = -0.03",
-        {"self-weight": 0.0, "pushdown": 1.0, OTHER: 0.5},
-    ),
+    "the movement": ("rotation_rad = -0.02", "rotation_rad = -0.03", {"self-weight": 0.0, "pushdown": 1.0, OTHER: 0.5}),
     # a scan runs the levels of the histories too
     "the record's scale": (
         'record = "wave.csv"', 'record = "wave.csv"\nscale = 0.9',

@@ -173,10 +173,7 @@ GARBLED = columns(",").replace("-0.250000000", "-0.25x")
 
 FAULTS = {
     "empty": ("", "line 1: fewer than two samples"),
-    "prose": (
-        "Dear reader,\nhere is\nthe record\n",
-        "line 1: 'Dear reader,': no line of numbers follows; supported",
-    ),
+    "prose": ("Dear reader,\nhere is\nthe record\n", "line 1: 'Dear reader,': no line of numbers follows; supported"),
     "esm empty step": (esm(SAMPLING_INTERVAL_S=""), "line 54: SAMPLING_INTERVAL_S is ''; must be a positive"),
     "esm no unit": (esm(UNITS=None), "no UNITS"),
     "esm cut": (esm(NDATA=15), "line 74: 12 values where NDATA says 15; .*get it again"),
@@ -187,37 +184,19 @@ FAULTS = {
     "five columns cut": (five_column()[:-3], "line 9: '.*E' is not a finite number"),
     "five columns no step": (five_column(**{"Time Increment (s)": None}), r"no Time Increment \(s\)"),
     "garbled": (GARBLED, "line 2: '-0.25x' is not a finite number; correct it"),
-    "missing cell": (
-        columns(",").replace(",0.200000000", ""),
-        "line 6: 1 columns where the first line has 2",
-    ),
+    "missing cell": (columns(",").replace(",0.200000000", ""), "line 6: 1 columns where the first line has 2"),
     "three columns": ("0.0,1.0,2.0\n0.1,1.0,2.0\n", "line 1: 3 columns without a heading; write a line"),
     "gap": (columns(",").replace("0.025,", "0.027,"), "line 6|line 7: the times are not evenly spaced"),
     "unknown unit": (
         heading("t [s],a [m/s3]"),
         r"line 1: 'm/s3' in the heading .*no unit.*; known are g, % g, mg, gal",
     ),
-    "velocity": (
-        heading("time (s),velocity (cm per s)"),
-        "line 1: the heading .* names time and velocity; give acc",
-    ),
+    "velocity": (heading("time (s),velocity (cm per s)"), "line 1: the heading .* names time and velocity; give acc"),
     "two units": (heading("t,a [g] (m/s2)"), "line 1: .* gives two units"),
-    "two components": (
-        four("t;NS;EW;UP"),
-        "line 1: 3 columns of accelerations; give a record of one component",
-    ),
-    "four columns, no heading": (
-        four(""),
-        "line 1: 4 columns without a heading; write a line that names them",
-    ),
-    "first line, a letter": (
-        heading("O.000,0.5"),
-        "line 1: 'O.000,0.5' holds the number '0.5' and is no line",
-    ),
-    "line in the middle, a letter": (
-        columns(",").replace("0.035,", "O.035,"),
-        "line 8: 'O.035' is not a finite",
-    ),
+    "two components": (four("t;NS;EW;UP"), "line 1: 3 columns of accelerations; give a record of one component"),
+    "four columns, no heading": (four(""), "line 1: 4 columns without a heading; write a line that names them"),
+    "first line, a letter": (heading("O.000,0.5"), "line 1: 'O.000,0.5' holds the number '0.5' and is no line"),
+    "line in the middle, a letter": (columns(",").replace("0.035,", "O.035,"), "line 8: 'O.035' is not a finite"),
     "a comment that states the unit": (columns(",", header="# unit: m/s2\n"), "line 1: .*known are g"),
     "whole numbers": ("0,1\n1,2\n2,3\n", "line 1: commas may part columns or decimals; .*semicolons"),
     "esm spectrum": (
@@ -225,10 +204,7 @@ FAULTS = {
         "DATA_TYPE is 'ACCELERATION RESPONSE SPECT",
     ),
     "v2 cut": (v2(n=20), "line 8: 12 values where the V2 file says 20"),
-    "v2 of two channels": (
-        v2(channels=2),
-        "line 13: this is a V2 file of 2 channels; give one channel a file",
-    ),
+    "v2 of two channels": (v2(channels=2), "line 13: this is a V2 file of 2 channels; give one channel a file"),
     "v2 changed": (v2(peak=200.0), "line 3: the largest acceleration is 0.2039, that of the values 0.25"),
     "v1": (
         "Uncorrected Accelerogram Data     Processed: 02\n  .1 .2\n",
@@ -238,19 +214,10 @@ FAULTS = {
     "binary": (bytes(range(256)) * 4, "is no text; supported are ESM"),
     "no step": (column(), "needs its time step; give time_step"),
     "zero": (columns(",", values=np.zeros(9)), "every sample is 0 g"),
-    "too large": (
-        columns(",").replace("0.200000000", "1e7"),
-        "line 6: '1e7' is larger than 1e.06; correct it",
-    ),
-    "peer step in ms": (
-        peer(sizes="NPTS= {n}, DT= 50.0 SEC"),
-        "line 4: a time step of 50 s; must be from 1e-06 to",
-    ),
-    "wrong unit": (
-        columns(",", values=981.0 * VALUES),
-        "peak of 245.2 g; the unit is not g: name it in the heading",
-    ),
-}
+    "too large": (columns(",").replace("0.200000000", "1e7"), "line 6: '1e7' is larger than 1e.06; correct it"),
+    "peer step in ms": (peer(sizes="NPTS= {n}, DT= 50.0 SEC"), "line 4: a time step of 50 s; must be from 1e-06 to"),
+    "wrong unit": (columns(",", values=981.0 * VALUES), "peak of 245.2 g; the unit is not g: name it in the heading"),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", FAULTS)

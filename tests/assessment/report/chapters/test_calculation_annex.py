@@ -61,16 +61,12 @@ VARIANTS = {
     "grid, rigid, along the return period": '[assessment]\nmodel = "none"\nmethod = "grid"\n' + GRID,
     "floor": "[assessment]\n" + TYPED + FLOOR,
     "components of F_C": "[assessment]\nconfidence_factor = 1.26\n" + TYPED + KNOWLEDGE + MECHANISM,
-    "level of knowledge": "[assessment]\nconfidence_factor = 1.2\n"
-    + TYPED
-    + '[assessment.knowledge]\nlevel = "LC2"\n',
+    "level of knowledge": "[assessment]\nconfidence_factor = 1.2\n" + TYPED + '[assessment.knowledge]\nlevel = "LC2"\n',
     "2009": "[assessment]\ncircular = 2009\n" + TYPED,
     "floor, 2009": "[assessment]\ncircular = 2009\n" + TYPED + FLOOR.partition("higher")[0],
     "record": '[assessment]\nspectrum = "record"\n' + RECORD,
-    "record, maximum, site": '[assessment]\nspectrum = "record"\nrecord_demand = "maximum"\n'
-    + TYPED
-    + RECORD,
-}
+    "record, maximum, site": '[assessment]\nspectrum = "record"\nrecord_demand = "maximum"\n' + TYPED + RECORD,
+}  # fmt: skip
 
 
 def hazard_files(folder):

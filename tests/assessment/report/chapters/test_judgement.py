@@ -155,18 +155,12 @@ def test_what_is_no_text_is_told_before_any_analysis(project, capsys, monkeypatc
         ),
         ("a <!-- not\n\nthis --> b <!-- open", "<p>a  b &lt;!-- open</p>"),
         ("ζ_E and S_De are 2 * 3, 4 * 5", "<p>ζ_E and S_De are 2 * 3, 4 * 5</p>"),
-        (
-            "- one\n\n      - below *it*",
-            "<ul> <li> <p>one</p> <ul> <li>below <i>it</i></li> </ul> </li> </ul>",
-        ),
-        (
-            "<script>x</script> [a](http://b) ![c](d)",
-            "<p>&lt;script&gt;x&lt;/script&gt; [a](http://b) ![c](d)</p>",
-        ),
+        ("- one\n\n      - below *it*", "<ul> <li> <p>one</p> <ul> <li>below <i>it</i></li> </ul> </li> </ul>"),
+        ("<script>x</script> [a](http://b) ![c](d)", "<p>&lt;script&gt;x&lt;/script&gt; [a](http://b) ![c](d)</p>"),
         ("## **Bold** \\*starred\\*", "<h3><b>Bold</b> *starred*</h3>"),
     ],
     ids=["blocks", "comments", "symbols", "nested", "no HTML and no network", "escapes"],
-)
+)  # fmt: skip
 def test_markdown_of_a_judgement(text, html):
     assert to_html(text).replace("\n", " ") == html
 
