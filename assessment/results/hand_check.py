@@ -1,7 +1,7 @@
 """The hand check: a mechanism as a few rigid macro-blocks, and its multiplier by virtual work from their figures."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Annotated, Any
 
 import numpy as np
@@ -45,44 +45,18 @@ class HandCheck:
 
 @dataclass(frozen=True)
 class MacroBlock:
-    """Blocks that move as one: members, weight and seismic weight kN, centroid (2,) m, motion (3,) of the centroid.
-
-    The motion is δ_x, δ_z, ω, scaled so that the largest displacement of a centroid in the mechanism is 1 m. Of a
-    drawing far from (0, 0) centroids count from its origin: four figures would not tell them apart.
-    """
-
-    members: tuple[int, ...]
-    weight: float
-    seismic: float
-    centroid: Array
-    motion: Array
-
-    @property
-    def centre(self) -> Array | None:
-        """Centre of rotation (2,) m; None for a translation."""
-        dx, dz, _ = self.motion
-        if not self.rotation:
-            return None
-        return self.centroid + np.array([-dz, dx]) / self.rotation
-
-    @property
-    def rotation(self) -> float:
-        """Rotation ω, rad; 0 for a translation."""
-        w = float(self.motion[2])
-        return w if abs(w) >= TURNING else 0.0
-
-
-@dataclass(frozen=True)
-class MacroBlockFigures:
-    """A macro-block as it is printed, every number rounded to the figures that the check is made with.
+    """Blocks that move as one, every number rounded to the figures that are printed and that the check is made with.
 
     `macro_block`: its number; `blocks`: how many it is made of; (x_G_m, z_G_m) its centroid, (x_C_m, z_C_m) its centre
-    of rotation, None for a translation; `omega` rad, `delta_x` and `delta_z` m its motion as in `MacroBlock`.
+    of rotation, None for a translation; `omega` rad, `delta_x` and `delta_z` m: the motion of the centroid, scaled so
+    that the largest one in the mechanism is 1 m. Of a drawing far from (0, 0) places count from its origin: four
+    figures would not tell them apart.
     """
 
     state: str
     direction: Direction
     macro_block: Annotated[int, named("N.|No.")]
+    members: list[int]
     blocks: int
     weight_kN: float
     seismic_weight_kN: float
@@ -107,13 +81,31 @@ class MacroBlockFigures:
 
 def macro_blocks(results: Results, state: str, direction: Direction) -> list[MacroBlock]:
     """Group the blocks of a mechanism that move as one, the largest group first."""
-    found, largest = _groups(results, state, direction)
-    scaled = [replace(each, motion=each.motion / largest) for each in found]
-    return sorted(scaled, key=lambda each: (-each.weight, each.members))
+    (weight, seismic), origin = weights(results), np.array(results.geometry.origin_m or (0.0, 0.0))
+    groups, largest = _groups(results, state, direction)
+    rigid, found = rigid_push(results, state, direction), []
+    places = outlines(results).moved(rigid.mechanism_configuration).centroids
+    rate = np.asarray(rigid.mechanism.displacements, dtype=float)
+    for number, own in enumerate(sorted(groups, key=lambda own: (-weight[own].sum(), own)), 1):
+        share = weight[own] / weight[own].sum()
+        centroid, motion = share @ places[own] - origin, share @ rate[own] / largest
+        omega, *centre = rotation(centroid, motion)
+        numbers = (weight[own].sum(), seismic[own].sum(), *centroid, omega, *centre, *motion[:2])
+        rounded: Any = (None if value is None else _rounded(value) for value in numbers)
+        found.append(MacroBlock(state, direction, number, own, len(own), *rounded))
+    return found
 
 
-def _groups(results: Results, state: str, direction: Direction) -> tuple[list[MacroBlock], float]:
-    """Return the blocks of a mechanism that move as one, and the largest displacement of a centroid in the results."""
+def rotation(centroid: Array, motion: Array) -> tuple[float, float | None, float | None]:
+    """Return ω (rad) of a motion (3,) of the centroid and its centre (m); 0 and None for a translation."""
+    dx, dz, omega = motion.tolist()
+    if abs(omega) < TURNING:
+        return 0.0, None, None
+    return omega, centroid[0] - dz / omega, centroid[1] + dx / omega
+
+
+def _groups(results: Results, state: str, direction: Direction) -> tuple[list[list[int]], float]:
+    """Return the blocks of a mechanism that move as one, and the largest displacement of a group in the results."""
     rigid = rigid_push(results, state, direction)
     rate = np.asarray(rigid.mechanism.displacements, dtype=float)
     drawn = outlines(results)
@@ -132,42 +124,31 @@ def _groups(results: Results, state: str, direction: Direction) -> tuple[list[Ma
     apart = np.linalg.norm(slip, axis=1).reshape(-1, 2).max(axis=1)  # of both ends of a joint
     for i, j in pairs[(apart < TOGETHER * fastest) & moving[pairs].all(axis=1)]:
         group[group == group[j]] = group[i]
-    weight, seismic = weights(results)
-    centroids = shape.centroids - np.array(results.geometry.origin_m or (0.0, 0.0))
-    found = []
-    for g in np.unique(group[moving]):
-        own = np.flatnonzero(group == g)
-        share = weight[own] / weight[own].sum()
-        motion, centroid = np.r_[share @ rate[own, :2], share @ rate[own, 2]], share @ centroids[own]
-        sums = float(weight[own].sum()), float(seismic[own].sum())
-        found.append(MacroBlock(tuple(own.tolist()), *sums, centroid, motion))
-    return found, max(float(np.hypot(*each.motion[:2])) for each in found)
+    weight, _ = weights(results)
+    groups = [np.flatnonzero(group == number).tolist() for number in np.unique(group[moving])]
+    moved = [weight[own] @ rate[own, :2] / weight[own].sum() for own in groups]
+    return groups, max(float(np.hypot(*each)) for each in moved)
 
 
-@dataclass(frozen=True)
-class WorkTaken:
-    """What takes work (kNm) in a mechanism, as it is printed: a tie that yields, or friction where joints slide."""
+def takers(results: Results, state: str, direction: Direction) -> list[tuple[str, float]]:
+    """Return ties that yield in a mechanism and friction with the work (kNm) they take, as printed.
 
-    name: str
-    work: float
-
-
-def takers(results: Results, state: str, direction: Direction) -> list[WorkTaken]:
-    """Return what takes work in a mechanism, scaled as its macro-blocks, of figures rounded to those of the check."""
+    It is scaled as that of the macro-blocks, and of figures rounded to those of the check.
+    """
     rigid = rigid_push(results, state, direction)
     rate, at = np.asarray(rigid.mechanism.displacements, dtype=float), rigid.mechanism_configuration
     longer = zip(ties_of(results, state), lengthening(results, state, at, rate).tolist(), strict=True)
     _, size = _groups(results, state, direction)
     pulled = {each.tie: each.peak_kN or 0.0 for each in rigid.ties or ()}
     found = [
-        WorkTaken(tie.name, _rounded(tie.yield_force_kN) * _rounded(more / size))
+        (tie.name, _rounded(tie.yield_force_kN) * _rounded(more / size))
         for tie, more in longer
         if tie.yield_force_kN is not None
         and more > STILL * size
         and pulled[tie.name] > (1.0 - TAUT) * tie.yield_force_kN
     ]
     friction = (rigid.mechanism.friction_work_kNm or 0.0) / size
-    return [*found, WorkTaken("Σ T v", _rounded(friction))] if friction > NOTHING else found
+    return [*found, ("Σ T v", _rounded(friction))] if friction > NOTHING else found
 
 
 def hand_checks(results: Results) -> Iterator[HandCheck]:
@@ -175,7 +156,7 @@ def hand_checks(results: Results) -> Iterator[HandCheck]:
     for name, direction, rigid in mechanisms(results):
         if rigid.virtual_work_alpha is not None and rigid.alpha_0:
             computed, by_blocks = rigid.mechanism.alpha, rigid.virtual_work_alpha
-            figures = figures_of(results, name, direction)
+            figures = macro_blocks(results, name, direction)
             by_hand = multiplier(figures, takers(results, name, direction))
             whole, hand = by_blocks / computed - 1.0, by_hand / computed - 1.0
             yield HandCheck(name, direction, len(figures), computed, by_blocks, whole, by_hand, hand)
@@ -199,35 +180,24 @@ def governing_view(results: Results) -> tuple[str, Direction] | None:
     return min(pushed, key=lambda view: pushed[view], default=None)
 
 
-def figures_of(results: Results, state: str, direction: Direction) -> list[MacroBlockFigures]:
-    """Return the macro-blocks of a mechanism as they are printed, the largest first."""
-    found = []
-    for number, each in enumerate(macro_blocks(results, state, direction), 1):
-        centre = (None, None) if each.centre is None else each.centre
-        numbers = (each.weight, each.seismic, *each.centroid, each.rotation, *centre, *each.motion[:2])
-        rounded: Any = (None if value is None else _rounded(value) for value in numbers)
-        found.append(MacroBlockFigures(state, direction, number, len(each.members), *rounded))
-    return found
-
-
-def virtual_work_table(figures: Sequence[MacroBlockFigures], taken: Sequence[WorkTaken] = ()) -> Table:
+def virtual_work_table(figures: Sequence[MacroBlock], taken: Sequence[tuple[str, float]] = ()) -> Table:
     """List the macro-blocks of a mechanism, and what takes work, with their virtual work, and the sums of both."""
     works = [{"work_load": each.work_load, "work_weight": each.work_weight} for each in figures]
     rows: list[Row] = [asdict(each) | work for each, work in zip(figures, works, strict=True)]
     summed = ("blocks", "weight_kN", "seismic_weight_kN", "work_load")
     total: Row = {"macro_block": "Σ"} | {key: sum(row[key] for row in rows) for key in summed}
-    rows += [{"macro_block": each.name, "work_weight": each.work} for each in taken]
-    columns = columns_of(MacroBlockFigures)[2:]  # state and direction stand in the caption
+    rows += [{"macro_block": name, "work_weight": work} for name, work in taken]
+    columns = columns_of(MacroBlock)[2:]  # state and direction stand in the caption
     total["work_weight"] = work_taken(figures, taken)
     return Table("macro_blocks", [*rows, total], (*columns, "work_load", "work_weight"))
 
 
-def work_taken(figures: Sequence[MacroBlockFigures], taken: Sequence[WorkTaken]) -> float:
+def work_taken(figures: Sequence[MacroBlock], taken: Sequence[tuple[str, float]]) -> float:
     """Return the work against the weights, Σ W δ_z, of ties that yield, Σ F e, and of friction, Σ T v, kNm."""
-    return sum(each.work_weight for each in figures) + sum(each.work for each in taken)
+    return sum(each.work_weight for each in figures) + sum(work for _, work in taken)
 
 
-def multiplier(figures: Sequence[MacroBlockFigures], taken: Sequence[WorkTaken] = ()) -> float:
+def multiplier(figures: Sequence[MacroBlock], taken: Sequence[tuple[str, float]] = ()) -> float:
     """Return α = (Σ W δ_z + Σ F e + Σ T v)/Σ W_s δ_x of the figures of a mechanism, δ_x along the loads."""
     return work_taken(figures, taken) / sum(each.work_load for each in figures)
 

@@ -37,7 +37,7 @@ def reduction(original: float | None, settled: float | None) -> float | None:
 
 @cache
 def columns_of(row: type) -> tuple[str, ...]:
-    """Return the columns of a table whose rows are of a class: fields of a dataclass, of a part those with a label.
+    """Return the columns of a table whose rows are of a class: its fields, of a part those with a label; no lists.
 
     The quantities that a dataclass describes are entered.
     """
@@ -48,7 +48,7 @@ def columns_of(row: type) -> tuple[str, ...]:
     for name, hint in hints.items():
         for told in getattr(hint, "__metadata__", ()):
             enter(name, hint.__origin__, dict(told))
-    return tuple(hints)
+    return tuple(name for name, hint in hints.items() if plain_value(hint))
 
 
 def cells(part: Part, columns: Iterable[str]) -> Row:

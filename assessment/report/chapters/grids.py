@@ -122,7 +122,7 @@ def macro_block_grids(
 ) -> Iterator[Grid]:
     """Yield the macro-blocks of `worked_by_hand`, `most` or fewer, with the sums of the virtual work."""
     for name, direction in worked_by_hand(results):
-        figures = hand_check.figures_of(results, name, direction)
+        figures = hand_check.macro_blocks(results, name, direction)
         if len(figures) <= most:
             table = hand_check.virtual_work_table(figures, hand_check.takers(results, name, direction))
             yield grid(table, words, words("caption.macro_blocks", state=name, direction=direction), 4)

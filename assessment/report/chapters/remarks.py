@@ -292,7 +292,7 @@ def worked_by_hand(results: Results) -> list[tuple[str, Direction]]:
 def too_many(results: Results, words: Words, most: int = hand_check.BY_HAND) -> Sentences:
     """Yield a sentence for each mechanism of more macro-blocks than a hand works out, which are `most`."""
     for name, direction in worked_by_hand(results):
-        count = len(hand_check.figures_of(results, name, direction))
+        count = len(hand_check.macro_blocks(results, name, direction))
         if count > most:
             yield words("text.many_macro_blocks", count=count, state=name, direction=direction)
 

@@ -205,10 +205,11 @@ class MechanismView:
         owner = np.array([self.start.nearest(point) for point in self.hinges], dtype=np.intp)
         hinges = self._carried(np.asarray(self.hinges, dtype=float).reshape(-1, 2), owner)
         axes.plot(*hinges.T, **pictures.HINGE)
-        least = LIGHT * sum(each.weight for each in self.macro_blocks)
+        least = LIGHT * sum(each.weight_kN for each in self.macro_blocks)
         for number, whole in enumerate(self.macro_blocks, 1):
-            if whole.weight >= least:
-                away = np.hypot(*(self.start.centroids[list(whole.members)] - whole.centroid).T)
+            if whole.weight_kN >= least:
+                places = self.start.centroids[whole.members]
+                away = np.hypot(*(places - places.mean(axis=0)).T)
                 nearest = whole.members[int(away.argmin())]
                 parts.write_number(axes, str(number), self.swept.centroids[nearest], **BOXED)
 

@@ -106,7 +106,7 @@ def surveyed(results: Results, state: str) -> list[Surveyed]:
 
 def survey_table(results: Results) -> Table:
     """List what was surveyed beside what each settled state has there."""
-    columns = columns_of(Surveyed)[:-2]
+    columns = columns_of(Surveyed)[:-1]
     rows = [asdict(each) for state in results.states for each in surveyed(results, state)]
     kept = [name for name in columns if any(row[name] not in (None, "") for row in rows)]
     shown = [{key: row[key] for key in kept if key != "joint" or row[key] is not None} for row in rows]

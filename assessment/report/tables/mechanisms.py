@@ -65,7 +65,7 @@ def second_solver(results: Results) -> Found:
 def mechanism_name(results: Results, state: str, direction: Direction, words: Words) -> str:
     """Name the rigid mechanism of a state: overturning, sliding, of so many hinges or parts, and of which layers."""
     found = rigid_push(results, state, direction).mechanism
-    turning = sum(bool(part.rotation) for part in macro_blocks(results, state, direction))
+    turning = sum(bool(part.omega) for part in macro_blocks(results, state, direction))
     if not turning:
         name = words.plain("mechanism.sliding")
     elif turning == 1:
@@ -204,11 +204,11 @@ def joint_table(results: Results) -> Found:
             yield _where(each) | dict(zip(JOINT.split(), (*number, *value, condition), strict=True))
 
 
-@table("macro_blocks", by_hand.MacroBlockFigures)
+@table("macro_blocks", by_hand.MacroBlock)
 def macro_block_table(results: Results) -> Found:
     """List the macro-blocks of every mechanism."""
     for name, direction, _ in by_hand.mechanisms(results):
-        yield from by_hand.figures_of(results, name, direction)
+        yield from by_hand.macro_blocks(results, name, direction)
 
 
 # the program's multiplier beside virtual work over all its blocks, and over the macro-blocks as printed

@@ -13,7 +13,7 @@ from assessment.report.figures.index import write_figures, write_images
 from assessment.report.figures.style import PNG_DPI
 from assessment.report.language import cell, slug, words_of
 from assessment.report.tables.mechanisms import balance, hand_check, reactions
-from assessment.results.hand_check import figures_of, governing_view, virtual_work_table
+from assessment.results.hand_check import governing_view, macro_blocks, virtual_work_table
 from assessment.runtime.pool import Pool
 from tests.support.analysed import SETTLED, analysed
 from tests.support.typed import typed
@@ -62,7 +62,7 @@ def test_the_hand_check_is_printed_with_all_its_figures(text):
     words, table = words_of(typed(results)), hand_check(typed(results))
     rows = printed(table.rows, table.columns, words, 4)
     for state, direction in [governing_view(typed(results))]:  # the others in full
-        figures = virtual_work_table(figures_of(typed(results), state, direction))
+        figures = virtual_work_table(macro_blocks(typed(results), state, direction))
         rows += printed(figures.rows, figures.columns, words, 4)
     assert len(rows) >= 6
     assert [row for row in rows if row not in text] == []
