@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -213,24 +213,18 @@ def confidence_source(assessment: AssessmentTable | None) -> str:
     return confidence_factor(knowledge.level, knowledge.components).paragraph
 
 
-def governing(capacities: Mapping[parts.Direction, parts.Capacity]) -> parts.Governing | None:
-    """Return the check with the least ratio, by direction and limit state; None if no check has a ratio."""
-    return _least({direction: each.ratios for direction, each in capacities.items()})
+class _Least(NamedTuple):
+    """The least ratio of some checks, and of which direction and check it is."""
+
+    ratio: float
+    direction: parts.Direction
+    limit_state: str
 
 
-def safety_index(capacities: Mapping[parts.Direction, parts.Capacity]) -> parts.SafetyIndex | None:
-    """Return ζ_E of a state: the least ratio at SLV and SLC (NTC 2018, §8.3), by direction and limit state."""
-    least = _least({direction: indices(each.ratios) for direction, each in capacities.items()})
-    if least is None:
-        return None
-    return parts.SafetyIndex(direction=least.direction, limit_state=least.limit_state, zeta_E=least.ratio)
-
-
-def _least(ratios: Mapping[parts.Direction, Mapping[str, float]]) -> parts.Governing | None:
+def _least(ratios: Mapping[parts.Direction, Mapping[str, float]]) -> _Least | None:
     """Return the least of the ratios by direction and check; None where there is none."""
-    found = ((ratio, way, check) for way, checks in ratios.items() for check, ratio in checks.items())
-    least = min(found, default=None)
-    return parts.Governing(ratio=least[0], direction=least[1], limit_state=least[2]) if least else None
+    each = (_Least(ratio, way, check) for way, checks in ratios.items() for check, ratio in checks.items())
+    return min(each, default=None)
 
 
 def _at(

@@ -269,7 +269,7 @@ def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
         "summary": plain(results.summary), "undetermined": undetermined(results),
         "capacities": capacities(results), "ultimate_movements": _ultimates(results),
         "worst_scenario": plain(results.scenarios.worst) if results.scenarios else None,
-        "comparison": plain(results.comparison), "strengthening": plain(results.strengthening),
+        "comparison": plain(results.comparison),
         "best_movement": plain(best.movement) if best else None, "warnings": _warnings(results, warnings),
         "timing_s": results.timing_s,
     }  # fmt: skip

@@ -6,14 +6,13 @@ from functools import cache
 from typing import Any, get_type_hints
 
 from assessment.ntc.tables import INDEXED, ROCK, SURFACE, farthest
-from assessment.results.schema import Results, StateResults, SummaryRow
-from assessment.results.schema.checks import Capacity, Check, ComparisonRow, StrengtheningRow
+from assessment.results.schema import Results, SummaryRow
+from assessment.results.schema.checks import Capacity, Check, ComparisonRow
 from assessment.results.schema.part import QUANTITIES, Part, enter, key, plain_value
 from assessment.results.schema.studies import Capacities, Scenarios
 
 ORIGINAL = "original"
 Row = dict[str, Any]
-COMPARED = ("a_g_g", "alpha_0", "alpha_u", "dynamic_pga_g")  # of which the first that is known gives the gain
 
 
 @dataclass(frozen=True)
@@ -191,54 +190,11 @@ def comparison(rows: Sequence[SummaryRow]) -> list[ComparisonRow]:
     pairs = [
         (original[row.direction], row) for row in rows if row.state != ORIGINAL and row.direction in original
     ]
-    found = []
-    for was, now in pairs:
-        static, dynamic = now.static_pga_g, now.dynamic_pga_g
-        row = ComparisonRow(
+    return [
+        ComparisonRow(
             state=now.state, direction=now.direction, limit_state=was.limit_state or now.limit_state,
-            static_pga_g=static, static_reduction=reduction(was.static_pga_g, static), dynamic_pga_g=dynamic,
-            dynamic_reduction=reduction(was.dynamic_pga_g, dynamic),
-            static_reference=None if static is None else SURFACE,
-            dynamic_reference=None if dynamic is None else SURFACE,
-        )  # fmt: skip
-        beside = {
-            "static_surface_pga_g": now.static_nominal_pga_g,
-            "dynamic_to_static": now.dynamic_to_static,
-        }
-        found.append(row if dynamic is None else row.replace(**beside))
-    return found
-
-
-def strengthened(states: Mapping[str, StateResults], rows: Sequence[SummaryRow]) -> list[StrengtheningRow]:
-    """Return a row for each strengthened state and direction: its capacities beside those of the state before.
-
-    `rows`: of the summary. The limit state of ζ_E is SLV (NTC 2018, §8.3), the farthest one where it was not checked. A
-    quantity before the strengthening has its unit last: a_g_before_g.
-    """
-    by_place, found = {(row.state, row.direction): row for row in rows}, []
-    for strong in rows:
-        made = states[strong.state].strengthening
-        if made is None or (before := by_place.get((made.of, strong.direction))) is None:
-            continue
-        (was, limit_was), (now, limit) = (_measured(states[each.state], each) for each in (before, strong))
-        row: dict[str, Any] = {}
-        for name in {**was, **now}:
-            stem, _, unit = name.rpartition("_")
-            row[f"{stem}_before_{unit}" if unit in {"m", "g"} else f"{name}_before"] = was.get(name)
-            row[name] = now.get(name)
-        by = next((name for name in COMPARED if was.get(name) is not None), "")
-        if was.get(by) and now.get(by) is not None:
-            row["gain"] = now[by] / was[by] - 1.0
-        if limit_was or limit:
-            row["limit_state"] = limit_was or limit
-        row = {"gain": None} | row
-        found.append(StrengtheningRow(state=strong.state, of=made.of, direction=strong.direction, **row))
-    return found
-
-
-def _measured(state: StateResults, row: SummaryRow) -> tuple[Row, str | None]:
-    """Return the capacities of a state in a direction, those that were asked for, and the limit state checked."""
-    checks = state.capacity[row.direction].checks if row.direction in state.capacity else {}
-    limit = "SLV" if "SLV" in checks else farthest(checks)
-    checked = {"a_g_g": checks[limit].a_g_g, "zeta_E": checks[limit].zeta_E} if limit else {}
-    return cells(row, ("alpha_0", "d_0_m", "alpha_u")) | checked | cells(row, ["dynamic_pga_g"]), limit
+            static_pga_g=now.static_pga_g, static_reduction=reduction(was.static_pga_g, now.static_pga_g),
+            dynamic_pga_g=now.dynamic_pga_g, dynamic_reduction=reduction(was.dynamic_pga_g, now.dynamic_pga_g),
+        )
+        for was, now in pairs
+    ]  # fmt: skip

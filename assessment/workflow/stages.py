@@ -28,7 +28,7 @@ from assessment.results.schema.part import known, present
 from assessment.results.schema.static import Pushovers
 from assessment.results.schema.studies import ConvergenceRow, Identification, Scenarios, Sensitivity
 from assessment.results.summary import summary_of, without
-from assessment.results.table import comparison, strengthened
+from assessment.results.table import comparison
 from assessment.runtime.cache import Store
 from assessment.runtime.progress import SILENCE, Show
 from assessment.runtime.tasks import Outcome, Workers, large
@@ -158,8 +158,6 @@ def _carry_out(draft: Draft) -> None:
     _add_dynamics(draft, converged.stages, scans)
     beside = (read.demands, workers, draft.states, converged.stages, converged.halvings)
     _add_studies(draft, Statics(project, models, *beside), scans)
-    if project.strengthening:
-        draft.put(strengthening=strengthened(draft.states, summary_of(draft.results).rows))
 
 
 def _requests(project: Project, models: Mapping[str, StateModel]) -> list[Request]:
@@ -217,10 +215,6 @@ def _add_capacities(draft: Draft, converged: Converged, ensembles: Ensembles) ->
                 known_ones = {} if without(found.state.capacity, asked) else found.state.capacity
                 made = found.state.strengthening
                 before = draft.states.get(made.of) if made else None
-                parts |= {
-                    "governing": demand.governing(known_ones),
-                    "safety_index": demand.safety_index(known_ones),
-                }
                 parts["indices"] = demand.state_indices(project, known_ones, before)
             draft.put_state(name, **parts)
         state = draft.states[name]

@@ -144,7 +144,8 @@ def _mechanisms(results: Results, words: language.Words) -> Table:
 def _interventions(results: Results) -> Table:
     """Return all states beside one another, each in its weakest direction and in those whose index is not known."""
     rows: list[Row] = []
-    for name in results.states if results.strengthening else ():
+    strengthened = any(state.strengthening for state in results.states.values())
+    for name in results.states if strengthened else ():
         row: Row = {"state": name}
         if least := least_row(results, name):
             row |= {"direction": least.direction, "alpha_0": least.alpha_0, "d_0_m": least.d_0_m}

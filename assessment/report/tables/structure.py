@@ -5,36 +5,58 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
+from assessment.ntc.tables import farthest
 from assessment.report.language import Words
 from assessment.report.tables import Curves, Found, curves, moves, pushes, table, without
 from assessment.results.hand_check import outline_area
 from assessment.results.joint_states import joint_states, loaded
-from assessment.results.schema import Results
+from assessment.results.schema import Results, SummaryRow
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.model import WORST, DrawnBlock, LayerLoads
 from assessment.results.schema.part import named, present
 from assessment.results.schema.static import Behaviour, TieTension
 from assessment.results.summary import material, taken_to_collapse
-from assessment.results.table import Row, Table, cells
+from assessment.results.table import Row, Table, cells, reduction
 
 VARIABLE = {"variable_load_kN", "use_category", "psi_2"}
 MATERIAL = (
     "unit_weight_kN_m3 friction normal_stiffness_kN_m3 tangential_stiffness_kN_m3 compressive_strength_kN_m2"
 )
-STRENGTHENING = (
-    "state of direction alpha_0_before alpha_0 d_0_before_m d_0_m alpha_u_before alpha_u limit_state "
-    "a_g_before_g a_g_g zeta_E_before zeta_E dynamic_pga_before_g dynamic_pga_g gain"
-)
+STRENGTHENING = "state of direction alpha_0 d_0_m alpha_u limit_state a_g_g zeta_E dynamic_pga_g gain"
+COMPARED = ("a_g_g", "alpha_0", "alpha_u", "dynamic_pga_g")  # of which the first that is known gives the gain
 COMPARISON = "state direction limit_state static_pga_g static_reduction dynamic_pga_g dynamic_reduction"
 AT = 0.999  # of the yield force: a tension that is it
 PLATES_M = {"plate_20_MPa": 0.20, "plate_30_MPa": 0.30, "plate_40_MPa": 0.40}  # sides of square plates
 PRINTED = {"short": 10, "full": 40}  # joints of a table of the report, those that matter most
 
-# as in results.json: loads of layers, settled and strengthened states beside those before, certificates
+# as in results.json: loads of layers, settled states beside the original one, certificates
 loads = table("loads", LayerLoads)(lambda results: results.loads or ())
 comparison = table("comparison", COMPARISON)(lambda results: results.comparison)
-strengthening = table("strengthening", STRENGTHENING)(lambda results: results.strengthening or ())
 quality = table("quality", f"state stage solves {' '.join(WORST)}")(lambda results: results.quality.by_stage)
+
+
+@table("strengthening", STRENGTHENING)
+def strengthening(results: Results) -> Found:
+    """List the capacities of each strengthened state and direction below those of the state before; `of`: its name.
+
+    The limit state of ζ_E is SLV (NTC 2018, §8.3), the farthest one where it was not checked.
+    """
+
+    def measured(row: SummaryRow) -> Row:
+        capacity = results.states[row.state].capacity.get(row.direction) if row.direction else None
+        checks = capacity.checks if capacity else {}
+        limit = "SLV" if "SLV" in checks else farthest(checks)
+        found = cells(row, ("state", "direction", "alpha_0", "d_0_m", "alpha_u", "dynamic_pga_g"))
+        return found | ({"limit_state": limit} | cells(checks[limit], ("a_g_g", "zeta_E")) if limit else {})
+
+    places = {(row.state, row.direction): row for row in results.summary.rows}
+    for row in results.summary.rows:
+        made = results.states[row.state].strengthening
+        if made is not None and (before := places.get((made.of, row.direction))) is not None:
+            was, now = measured(before), measured(row)
+            by = next((name for name in COMPARED if was.get(name) is not None), "")
+            loss = reduction(was.get(by), now.get(by))
+            yield from (was, now | {"of": made.of, "gain": None if loss is None else -loss})
 
 
 @table("blocks", "block layer support x_m z_m area_m2 depth_m vertical_load_kN")

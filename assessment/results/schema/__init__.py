@@ -8,7 +8,7 @@ from typing import Any, Final, Literal
 from pydantic import BaseModel, ValidationError
 
 from assessment.results.schema.checks import *
-from assessment.results.schema.checks import Count, Direction, Multipliers, SafetyIndex
+from assessment.results.schema.checks import Count, Direction, Multipliers
 from assessment.results.schema.dynamic import *
 from assessment.results.schema.model import *
 from assessment.results.schema.part import *
@@ -18,7 +18,7 @@ from assessment.results.schema.static import OtherLaw, Run
 from assessment.results.schema.studies import *
 from mechanics.messages import Message, put_together, taken_apart
 
-FORMAT: Final = 3
+FORMAT: Final = 4
 """Of the file: it changes where a key goes, or gets another meaning."""
 
 
@@ -30,7 +30,9 @@ class SummaryCheck(Part):
     zeta_E_range: list[float | None] | None = optional("least and largest of an ensemble")
     verified: bool | None = key("whether it is 1 or more")
     loss: float | None = optional("of a settled state: 1 − ζ_E/ζ_E(original), both by this check")
-    gain: float | None = optional("of a strengthened state: ζ_E/ζ_E(before) − 1, likewise")
+    gain: float | None = optional(
+        "of a strengthened state: ζ_E/ζ_E(before) − 1, likewise", "Incremento|Increase", change=True
+    )
 
 
 class SummaryMechanism(Count):
@@ -67,9 +69,12 @@ class SummaryRow(Multipliers):
     dynamic_to_static: float | None = optional("`dynamic_pga_g` over `static_nominal_pga_g`")
 
 
-class SummaryGoverning(SafetyIndex):
+class SummaryGoverning(Part):
     """`summary.governing`: where ζ_E is least, at SLV where it was checked (NTC 2018, §8.3)."""
 
+    direction: Direction = key("direction of the push")
+    limit_state: str = key("which check")
+    zeta_E: float = key("the index, or the ratio where neither SLV nor SLC was checked")
     state: str = key("state")
 
 
@@ -93,15 +98,13 @@ class StateResults(Part):
     capacity: dict[Direction, Capacity] = key("capacity and checks, by direction")
     history: list[History] = key("time histories")
     incremental: Incremental = key("incremental dynamic analysis")
-    governing: Governing | None = optional("the least ratio of all checks; null: none has a number")
     indices: Indices | None = optional("indices of safety and risk; null: no check at SLV")
-    safety_index: SafetyIndex | None = optional("the least ζ_E at SLV and SLC; null: none has a number")
 
 
 class Results(Part):
     """The whole file."""
 
-    format: Literal[3] = key("format of the file; a file of another one is refused")
+    format: Literal[4] = key("format of the file; a file of another one is refused")
     assesto: str = key("version of the program")
     title: str = key("title of the project")
     summary: Summary = key("what the first page of a report prints")
@@ -116,7 +119,6 @@ class Results(Part):
     mechanisms: list[GivenMechanism] | None = optional("the mechanisms of the project file")
     motions: list[AppliedRecord] | None = optional("the records of [[history]]")
     comparison: list[ComparisonRow] = key("settled states beside the original one")
-    strengthening: list[StrengtheningRow] | None = optional("strengthened states beside what they strengthen")
     scenarios: Scenarios | None = optional("all movements side by side")
     sensitivity: Sensitivity | None = optional("every state with each property lower and higher")
     identification: Identification | None = optional("the support movement that explains what was measured")

@@ -144,25 +144,6 @@ class Capacity(_Checked, MassShares):
         return present({name: check.zeta_E for name, check in self.checks.items()})
 
 
-class Weakest(Part):
-    """Where a state bears least."""
-
-    direction: Direction = key("direction of the push")
-    limit_state: str = key("which check")
-
-
-class Governing(Weakest):
-    """`governing`: the least ratio of all checks of a state."""
-
-    ratio: float = key("a_g S borne per a_g S demanded")
-
-
-class SafetyIndex(Weakest):
-    """`safety_index`: the least ζ_E at SLV and SLC of a state (NTC 2018, §8.3)."""
-
-    zeta_E: float = key("the index, or the ratio where neither SLV nor SLC was checked")
-
-
 class DemandSpectrum(Part):
     """`spectra.SLV`, …: the demand at a limit state."""
 
@@ -239,13 +220,6 @@ class ComparisonRow(Part):
     dynamic_reduction: float | None = key(
         "1 − PGA(settled)/PGA(original)", "Riduzione dinamica|Reduction, dynamic", change=True
     )
-    static_reference: str | None = optional("of the static capacity: surface")
-    dynamic_reference: str | None = optional("of the dynamic capacity: surface")
-    static_surface_pga_g: float | None = optional(
-        "static capacity with F_C = 1, as the dynamic one has none",
-        "PGA statica, F_C = 1|PGA static, F_C = 1", null="not_determined", ground="surface",
-    )  # fmt: skip
-    dynamic_to_static: float | None = optional("dynamic one over that", "Dinamica / statica|Dynamic / static")
 
 
 class Multipliers(Part):
@@ -261,27 +235,6 @@ class Borne(Multipliers):
 
     a_g_g: float | None = optional("capacity a_g at `limit_state`; null: not defined")
     zeta_E: float | None = optional("ratio to the demand")
-
-
-class StrengtheningRow(Borne):
-    """`strengthening[]`: a strengthened state beside the one that it strengthens; null: not known."""
-
-    state: str = key("the strengthened state")
-    of: str = key("the state before")
-    direction: Direction | None = key("direction of the push; null: no pushover")
-    alpha_0_before: float | None = optional("α_0, rigid joints, before")
-    d_0_before_m: float | None = optional("displacement capacity d_0 before")
-    alpha_u_before: float | None = optional("α_u, elastic joints, before")
-    limit_state: str | None = optional("limit state of a_g and ζ_E: SLV where it was checked")
-    a_g_before_g: float | None = optional("capacity a_g before")
-    zeta_E_before: float | None = optional("ratio to the demand before")
-    dynamic_pga_before_g: float | None = optional("PGA at collapse before")
-    dynamic_pga_g: float | None = optional("PGA at collapse afterwards")
-    gain: float | None = key(
-        "after/before − 1: of a_g, else of α_0, α_u or the PGA at collapse",
-        "Incremento|Increase",
-        change=True,
-    )
 
 
 class Indices(Part):

@@ -5,10 +5,10 @@ from typing import Any
 import pytest
 
 from assessment.ntc.tables import farthest
+from assessment.report.tables.structure import strengthening
 from assessment.results.schema import Results, Summary, SummaryRow
 from assessment.results.schema.part import ratio_decimals
 from assessment.results.summary import summary_of
-from assessment.results.table import strengthened
 from tests.support.analysed import SETTLED, analysed
 from tests.support.typed import typed
 
@@ -133,11 +133,11 @@ def test_a_strengthened_state_has_its_gain_over_the_state_that_it_strengthens():
     assert row(changed(tied), "tied").checks["SLV"].gain == pytest.approx(0.25)
     tied(content := analysed())
     found = typed(content)
-    made = {each.direction: each for each in strengthened(found.states, summary_of(found).rows)}
+    was, made, _, other = strengthening(found.replace(summary=summary_of(found))).rows
     before, after = (found.states[name].capacity["+x"].checks for name in (SETTLED, "tied"))
-    assert farthest(before) == "SLC" and (made["+x"].state, made["+x"].of) == ("tied", SETTLED)
-    assert (made["+x"].limit_state, made["+x"].zeta_E) == ("SLV", after["SLV"].zeta_E)
-    assert made["+x"].zeta_E_before == before["SLV"].zeta_E and made["-x"].zeta_E is None
+    assert farthest(before) == "SLC" and (made["state"], made["of"]) == ("tied", SETTLED)
+    assert (made["limit_state"], made["zeta_E"]) == ("SLV", after["SLV"].zeta_E)
+    assert was["zeta_E"] == before["SLV"].zeta_E and "zeta_E" not in other
 
 
 @pytest.mark.parametrize(

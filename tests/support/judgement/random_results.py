@@ -5,16 +5,12 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from assessment.analyses.demand import governing, safety_index
 from assessment.analyses.found import quality_of
 from assessment.report.tables.mechanisms import SECOND_SOLVER
-from assessment.results.schema import StateResults
-from assessment.results.schema.checks import Capacity
-from assessment.results.schema.dynamic import Incremental
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import plain
 from assessment.results.schema.studies import ScenarioPoint
-from assessment.results.table import comparison, strengthened
+from assessment.results.table import comparison
 from assessment.studies.variants import worst as worst_of
 from tests.support.judgement.claims import LIMITS, RESIDUALS, Results
 from tests.support.results_example import SETTLED, results_example
@@ -59,7 +55,7 @@ def random_results(draw):
     limits = draw(st.sets(st.sampled_from(LIMITS)))
     limits = [limit for limit in LIMITS if limit in limits]
     demand = {limit: draw(st.floats(0.02, 0.6)) for limit in limits}
-    states, checked = {}, {}
+    states = {}
     for name in ("original", *names):
         content = {**example["original" if name == "original" else SETTLED]}
         standing = [d for d in directions if name == "original" or draw(st.integers(0, 9))]
@@ -97,11 +93,7 @@ def random_results(draw):
                 pull = draw(st.floats(0.0, 2.0))
                 tension = {"tie": "chain", "rest_kN": None, "peak_kN": pull, "greatest_kN": pull}
                 pushed["rigid"]["ties"] = [tension | {"yields": draw(st.booleans())}]
-        capacities = {d: made(Capacity, each) for d, each in content["capacity"].items()}
-        content["governing"], content["safety_index"] = governing(capacities), safety_index(capacities)
         states[name] = content
-        searches = made(Incremental, content["incremental"])
-        checked[name] = made(StateResults, content).replace(capacity=capacities, incremental=searches)
     results["states"] = plain(states)
     results["quality"]["by_stage"] = [
         row | {f"worst_{name}": draw(RESIDUAL) for name in RESIDUALS}
@@ -115,10 +107,7 @@ def random_results(draw):
         results["mechanisms"] = draw(
             st.lists(chosen(limits, demand), max_size=2, unique_by=itemgetter("name"))
         )
-    summed = typed(results).summary.rows
-    results["comparison"] = plain(comparison(summed))
-    if rows := strengthened(checked, summed):
-        results["strengthening"] = plain(rows)
+    results["comparison"] = plain(comparison(typed(results).summary.rows))
     if draw(st.booleans()) and names:
         results["scenarios"] = draw(scenarios_of(names, directions, limits))
     if draw(st.booleans()) and limits:
