@@ -17,7 +17,7 @@ LINES = {
     "assessment/cli": 630,
     "assessment/ntc": 2111,
     "assessment/project": 4510,
-    "assessment/report": 5731,
+    "assessment/report": 5718,
     "assessment/results": 3083,
     "assessment/runtime": 1379,
     "assessment/studies": 2261,

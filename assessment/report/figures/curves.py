@@ -6,14 +6,12 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from assessment.report.figures.style import COLOURS, DASHES, OVER_LINES, chart, key, legend, state_style
 from assessment.report.language import Words, direction_name, label, scale
 from assessment.report.tables.mechanisms import alpha_at_d_0, elastic_capacity
 from assessment.report.tables.studies import ROUNDING, bars
-from assessment.results.schema import Check, Direction, Pushovers, Results, known
+from assessment.results.schema import Check, Direction, Pushovers, Results, known, present
 from assessment.results.table import compared, reference_of, sense
 from mechanics.pictures import MARKS
 from mechanics.types import GRAVITY
@@ -47,7 +45,7 @@ def draw_pushdown(results: Results, words: Words, state: str) -> Figure:
                 named = words.plain("figure.ultimate_line", contacts=contacts, movement=ultimate)
                 style = {"linewidth": 0.5 * WIDTHS[contacts], "linestyle": DASHES[2], "label": named}
                 axes.axvline(mm * ultimate, color="0.0", **style)
-    legend(figure, panels[0].get_legend_handles_labels()[0])
+    legend(figure)
     return figure
 
 
@@ -95,7 +93,7 @@ def draw_pushover(results: Results, words: Words, directions: Sequence[Direction
         axes.set_xlim(0.0, 6.0 * mm * max(yields) if at % columns else None)
         for name, pushover in states[direction].items():
             _key_points(axes, pushover, COLOURS[names.index(name) % len(COLOURS)])
-    legend(figure, handles, 3)
+    legend(figure, 3, handles)
     return figure
 
 
@@ -142,9 +140,11 @@ def draw_spectra(results: Results, words: Words, views: Views, limit: str) -> Fi
         axes.set(xlabel=label("d_star_m", words), ylabel=label("a_star_g", words))
         _periods(axes, words, reach, top)
         if found := elastic_capacity(results, name, direction):
-            axes.plot(mm * found[0], found[1], **ELASTIC)
+            named = words.plain("figure.elastic_capacity")
+            axes.plot(mm * found[0], found[1], label=named, **ELASTIC)
         curve = capacity.curve
-        axes.plot(mm * np.asarray(curve.d_star_m), curve.a_star_g, color="0.0", linewidth=1.9)
+        along, named = mm * np.asarray(curve.d_star_m), words.plain("figure.fitted_curve")
+        axes.plot(along, curve.a_star_g, color="0.0", linewidth=1.9, label=named)
         if spectrum is not None:
             shown = np.asarray(spectrum.T_s) <= max(LONGEST, 1.2 * (point.T_s or 0.0))
             for level, dashes in ((point.demand_a_g_g, DASHES[2]), (point.a_g_g, DASHES[0])):
@@ -157,13 +157,10 @@ def draw_spectra(results: Results, words: Words, views: Views, limit: str) -> Fi
         if point.d_star_m is not None:
             _limit_point(axes, point, limit)
     reference = words.plain(f"value.on_{reference_of(results)}")
-    elastic = any(elastic_capacity(results, *view) for view in views)
     borne = words.plain("figure.borne_spectrum", limit=limit, reference=reference)
-    handles = [key(words.plain("figure.fitted_curve"), linewidth=1.9)]
-    handles += [key(words.plain("figure.elastic_capacity"), **ELASTIC)] if elastic else []
-    handles += [key(borne, linewidth=0.9)]
-    handles += [key(words.plain(f"figure.demand_{demand}", limit=limit), linewidth=0.9, linestyle=DASHES[2])]
-    legend(figure, handles)
+    demanded = words.plain(f"figure.demand_{demand}", limit=limit)
+    lines = [key(borne, linewidth=0.9), key(demanded, linewidth=0.9, linestyle=DASHES[2])]
+    legend(figure, handles=lines)
     return figure
 
 
@@ -183,7 +180,7 @@ def draw_demand(results: Results, words: Words) -> Figure:
             axes.plot(T[T <= LONGEST], values[T <= LONGEST], **line)
         axes.set(xlabel=label("T_s", words), ylabel=label(name, words), xlim=(0.0, LONGEST))
         axes.set_ylim(bottom=0.0)
-    legend(figure, panels[0].get_legend_handles_labels()[0], 4)
+    legend(figure, 4)
     return figure
 
 
@@ -236,7 +233,6 @@ def _limit_point(axes: Axes, point: Check, limit: str) -> None:
 
 
 SIDES = {"+x": (">", "0.0"), "-x": ("<", "1.0")}  # of the directions: full to the right, empty to the left
-RING: dict[str, Any] = {"marker": "o", "markerfacecolor": "none", "markeredgewidth": 1.2, "linestyle": "none"}
 BESIDE: dict[str, Any] = {"textcoords": "offset points", "va": "center", "fontsize": 6.5}
 BARS: dict[str, dict[str, Any]] = {  # of the factors: light and hatched below, dark above
     "low": {"facecolor": "0.9", "hatch": "////", "edgecolor": "0.0", "linewidth": 0.5},
@@ -252,35 +248,41 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
     found, mm = known(results.scenarios), scale("movement_m")
     names = list(dict.fromkeys(point.state for point in found.points if point.movement_m > 0.0))
     figure, (axes,) = chart(words, height_mm=95.0)
-    labels: list[tuple[str, float, float]] = []
-    for number, name in enumerate(names, 1):
-        style = state_style(number - 1)
+    for number, name in enumerate(names):
+        style = state_style(number)
         for direction, (marker, face) in SIDES.items():
             own = [
-                (point, capacity)
+                (mm * point.movement_m, capacity)
                 for point in found.points
                 if point.direction == direction
                 and (capacity := compared(point, found.quantity)) is not None
                 and (point.state == name or point.movement_m == 0.0)
             ]
-            x, y = [mm * point.movement_m for point, _ in own], [capacity for _, capacity in own]
-            inside = style["color"] if face != "1.0" else face
-            axes.plot(x, y, marker=marker, markerfacecolor=inside, markersize=4.5, **style)
-            if own and own[-1][0].state == name:
-                labels.append((str(number), x[-1], y[-1]))
-        if (ultimate := _ultimate(results, name)) is not None:
-            axes.plot(mm * ultimate, 0.0, color="0.0", marker="x", markersize=6.0, clip_on=False)
-            labels.append((str(number), mm * ultimate, 0.0))
+            inside, named = style["color"] if face != "1.0" else face, words.at(name, direction)
+            if own:
+                x, y = zip(*own, strict=True)
+                axes.plot(x, y, marker=marker, markerfacecolor=inside, markersize=4.5, label=named, **style)
+        reached = [path.ultimate_movement_m for path in results.states[name].pushdown.values()]
+        if ultimate := present(dict(enumerate(reached))):
+            mark: dict[str, Any] = {"marker": "x", "markersize": 6.0, "linestyle": "none", "clip_on": False}
+            named = words.plain("figure.ultimate_mark", state=name)
+            axes.plot(mm * min(ultimate.values()), 0.0, color=style["color"], label=named, **mark)
     if worst := found.worst:  # where the structure has fallen no capacity is left
         height = 0.0 if worst.collapses else known(compared(worst, found.quantity))
-        axes.plot(mm * worst.movement_m, height, markersize=11, color="0.0", clip_on=False, **RING)
+        place = {"state": worst.state, "direction": worst.direction, "movement": worst.movement_m}
+        named = words.plain(f"figure.{'worst_collapses' if worst.collapses else 'worst'}", **place)
+        ring: dict[str, Any] = {
+            "marker": "o",
+            "markerfacecolor": "none",
+            "markersize": 11,
+            "linestyle": "none",
+        }
+        axes.plot(mm * worst.movement_m, height, color="0.0", clip_on=False, label=named, **ring)
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel(label("movement_m", words))
     axes.set_ylabel(_capacity(results, words, found.quantity, found.limit_state))
-    for text, right, top in labels:
-        axes.annotate(text, (right, top), (7, -2), textcoords="offset points", annotation_clip=False)
-    legend(figure, _scenario_legend(results, names, words))
+    legend(figure)
     return figure
 
 
@@ -296,7 +298,8 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
             for side, above in (("low", 0.2), ("high", -0.2)):
                 factor, end = bar.ends()[side]
                 moved = base if end is None else end
-                axes.barh(place + above, moved - base, left=base, height=0.36, **BARS[side])
+                named = words.plain(f"figure.{side}_factor")
+                axes.barh(place + above, moved - base, left=base, height=0.36, label=named, **BARS[side])
                 text = f"×{words.comma(f'{factor:g}')}" + (f": {words.show(None)}" if end is None else "")
                 right = moved > base or (moved == base and side == "high")
                 said = {"ha": "left" if right else "right", **BESIDE}
@@ -313,8 +316,7 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
         axes.set_title(words.plain("figure.tornado_base", **told))
     limit = known(results.sensitivity).limit_state
     panels[-1].set_xlabel(_capacity(results, words, "a_g_g", limit))
-    handles = [Patch(**BARS[side], label=words.plain(f"figure.{side}_factor")) for side in ("low", "high")]
-    legend(figure, handles)
+    legend(figure)
     return figure
 
 
@@ -327,25 +329,3 @@ def _capacity(results: Results, words: Words, name: str, limit: str | None) -> s
 def varied(results: Results) -> list[str]:
     """Return the states whose tornado can be drawn: the capacity that the bars start from is known."""
     return list(dict.fromkeys(bar.state for bar in bars(results) if bar.a_g_base_g is not None))
-
-
-def _ultimate(results: Results, name: str) -> float | None:
-    found = [path.ultimate_movement_m for path in results.states[name].pushdown.values()]
-    return min((value for value in found if value is not None), default=None)
-
-
-def _scenario_legend(results: Results, names: Sequence[str], words: Words) -> list[Line2D]:
-    found = known(results.scenarios)
-    handles = [key(f"{number}  {name}", **state_style(number - 1)) for number, name in enumerate(names, 1)]
-    for way, (marker, face) in SIDES.items():
-        if any(point.direction == way for point in found.points):
-            mark = {"marker": marker, "markerfacecolor": face, "linestyle": "none"}
-            handles.append(key(words.plain("figure.direction", direction=way), **mark))
-    if any(_ultimate(results, name) is not None for name in names):
-        handles.append(key(words.plain("figure.ultimate_mark"), marker="x", linestyle="none"))
-    if worst := found.worst:
-        place = {"state": worst.state, "direction": worst.direction}
-        named = f"figure.{'worst_collapses' if worst.collapses else 'worst'}"
-        text = words.plain(named, **place, movement=worst.movement_m)
-        handles.append(key(text, markersize=9, **RING | {"markeredgewidth": 1.0}))
-    return handles

@@ -33,7 +33,7 @@ MOST_NAMED, LONGEST_NAME = 24, 50  # layers, and letters of one, in the legend
 ARROW = {"arrowstyle": "-|>,head_width=0.18,head_length=0.4", "shrinkA": 0.0, "shrinkB": 0.0, "lw": 0.8}
 PLATE_MM = 2.4  # length of the plate at an end of a tie
 PLATE: dict[str, Any] = {"color": INK, "linewidth": 1.8, "solid_capstyle": "butt"}
-DIMENSION = ARROW | {"arrowstyle": "<|-|>,head_width=0.12,head_length=0.35", "lw": 0.5}
+DIMENSION = {"arrowstyle": "|-|,widthA=0.15,widthB=0.15", "shrinkA": 0.0, "shrinkB": 0.0, "lw": 0.5}
 WHITE: dict[str, Any] = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.6}
 ON_WHITE: dict[str, Any] = {"textcoords": "offset points", "bbox": WHITE}
 
@@ -86,19 +86,16 @@ def draw_model(results: Results, words: Words) -> Figure:
 
 
 def _dimensions(page: Panels, axes: Axes, bounds: Bounds, words: Words) -> None:
-    """Draw the width below and the height beside the model, each between two ticks."""
+    """Draw the width below and the height beside the model."""
     x0, z0, x1, z1 = bounds
-    low, left, tick = z0 - page.paper(7.0), x0 - page.paper(7.0), page.paper(1.5)
+    low, left = z0 - page.paper(7.0), x0 - page.paper(7.0)
     for start, end, turn in (((x0, low), (x1, low), 0), ((left, z0), (left, z1), 90)):
         axes.annotate("", end, start, arrowprops=DIMENSION)
-        length, middle = float(np.hypot(end[0] - start[0], end[1] - start[1])), np.mean([start, end], axis=0)
+        length = float(np.hypot(end[0] - start[0], end[1] - start[1]))
         text = f"{words.comma(f'{length:.3f}'.rstrip('0').rstrip('.'))} m"
-        axes.text(
-            middle[0], middle[1], text, rotation=turn, ha="center", va="center", bbox=WHITE | {"pad": 1.0}
+        axes.annotate(
+            text, np.mean([start, end], axis=0), rotation=turn, ha="center", va="center", bbox=WHITE
         )
-        across = np.array([0.0, tick] if turn == 0 else [tick, 0.0])
-        for point in np.array([start, end]):
-            axes.plot(*np.array([point - across, point + across]).T, color=INK, linewidth=0.4)
 
 
 RED = "#c00000"

@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from assessment.report.figures.drawing import draw_ties, ghost_handle, tie_handles
 from assessment.report.figures.style import DASHES, chart, comma_ticks, key, legend, sheet, state_style
@@ -77,34 +76,28 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
     falls = [entry for entry in found.values() if entry.collapsed]
     sustained = [1.3 * known(entry.sustained_displacement_m) for entry in found.values()]
     bound = max([*sustained, *(min(FALLING * size, known(entry.peak_displacement_m)) for entry in falls)])
-    handles: list[Artist] = []
     for number, (state, entry) in enumerate(found.items()):
         curve, style = known(entry.curve), {"linewidth": 0.9} | state_style(number)
         time, displacement = np.asarray(curve.time_s), np.asarray(curve.displacement_m)
         if entry.band:
             low, high = mm * np.array([entry.band.low_m, entry.band.high_m])
-            axes.fill_between(time, low, high, color=BAND, linewidth=0.0)
-        axes.plot(time, mm * displacement, **style)
+            axes.fill_between(time, low, high, color=BAND, linewidth=0.0, label=words.plain("figure.members"))
+        name = f"figure.{'collapses' if entry.collapsed else 'peak'}"
+        peak, fallen = entry.peak_displacement_m, entry.time_of_collapse_s
+        named = words.plain(name, state=state, time=fallen, peak=peak)
+        axes.plot(time, mm * displacement, label=named, **style)
         if entry.collapsed:
             out = int(np.flatnonzero(abs(displacement) <= bound)[-1])
             at = time[out], mm * displacement[out]
-            axes.plot(*at, marker="x", color="0.0", markersize=6.0, clip_on=False)
-        peak = entry.peak_displacement_m
-        name = f"figure.{'collapses' if entry.collapsed else 'peak'}"
-        outcome = words.plain(name, state=state, time=entry.time_of_collapse_s, peak=peak)
-        handles.append(key(outcome, **style))
+            mark: dict[str, Any] = {"marker": "x", "markersize": 6.0, "linestyle": "none", "clip_on": False}
+            axes.plot(*at, color="0.0", label=words.plain("figure.collapse"), **mark)
     until = [entry.free_motion_from_s for entry in found.values() if entry.free_motion_from_s is not None]
     if until:
-        axes.axvline(min(until), color="0.0", linewidth=0.5, linestyle=DASHES[2])
+        named = words.plain("figure.free_motion")
+        axes.axvline(min(until), color="0.0", linewidth=0.5, linestyle=DASHES[2], label=named)
     axes.set(xlabel=label("time_s", words), ylabel=label("displacement_m", words))
     axes.set_ylim(*(1.05 * mm * max(bound, LEAST_M) * side for side in (-1.0, 1.0)))
-    if falls:
-        handles.append(key(words.plain("figure.collapse"), marker="x", linestyle="none"))
-    if any(entry.band for entry in found.values()):
-        handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.members")))
-    if until:
-        handles.append(key(words.plain("figure.free_motion"), linewidth=0.5, linestyle=DASHES[2]))
-    legend(figure, handles)
+    legend(figure)
     return figure
 
 
@@ -208,12 +201,6 @@ def _ida(words: Words, panels: Sequence[Ida]) -> Figure:
     handles: list[Artist] = [key(record, **style[record]) for record in records]
     if any(sign < 0 and points for _, sign, _, points in curves):
         handles.append(key(words.plain("figure.other_sign"), linewidth=0.6, linestyle=SIGNS[-1]))
-    if any(panel.counts is not None for panel in panels):
-        handles.append(key(words.plain("figure.quoted_pga"), **quoted))
-    if any(level for panel in panels for level in panel.probable):
-        handles.append(key(words.plain("figure.probable"), **dotted))
-    if any(panel.certain is not None for panel in panels):
-        handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.to_all_collapse")))
     if any(seen.resurrections_g for _, _, seen, _ in curves):
         mark = {"marker": "o", "markerfacecolor": "1.0", "markersize": 3.0, "linestyle": "none"}
         handles.append(key(words.plain("figure.resurrection"), **mark))
@@ -222,11 +209,16 @@ def _ida(words: Words, panels: Sequence[Ida]) -> Figure:
         for record, sign, seen, points in panel.curves:
             _curve(axes, seen.lowest_collapse_g, points, reach, style[record] | {"linestyle": SIGNS[sign]})
         if panel.counts is not None:
-            axes.axhline(panel.counts, **quoted)
+            axes.axhline(panel.counts, label=words.plain("figure.quoted_pga"), **quoted)
             if panel.certain is not None and panel.certain > panel.counts:
-                axes.axhspan(panel.counts, panel.certain, color=BAND, linewidth=0.0, zorder=0.5)
+                band: dict[str, Any] = {
+                    "color": BAND,
+                    "linewidth": 0.0,
+                    "label": words.plain("figure.to_all_collapse"),
+                }
+                axes.axhspan(panel.counts, panel.certain, zorder=0.5, **band)
         for level in filter(None, panel.probable):
-            axes.axhline(level, **dotted)
+            axes.axhline(level, label=words.plain("figure.probable"), **dotted)
         axes.set(xlabel=label("peak_displacement_m", words), ylabel=label("pga_g", words), title=panel.title)
         axes.set(xlim=(0.0, reach), ylim=(0.0, top))
         if panel.d_0:  # a second axis inside the upper edge: displacements over d_0
@@ -236,7 +228,7 @@ def _ida(words: Words, panels: Sequence[Ida]) -> Figure:
             beside.grid(visible=False)
             beside.tick_params(top=False, pad=-9.0, labelsize="x-small", colors="0.4")
             beside.annotate("d/d₀", (0.99, 0.90), xycoords="axes fraction", ha="right", fontsize="x-small")
-    legend(figure, handles)
+    legend(figure, handles=handles)
     return figure
 
 
@@ -297,7 +289,8 @@ def _fragilities(words: Words, fits: Sequence[FragilityCurve], measure: str) -> 
         mark["markerfacecolor"] = str(shade)
         if fit.band:
             p, least, most = (list(each) for each in zip(*fit.band, strict=True))
-            axes.fill_betweenx(p, least, most, color="0.0", alpha=SHADE, linewidth=0.0)
+            bounds: dict[str, Any] = {"color": "0.0", "alpha": SHADE, "linewidth": 0.0}
+            axes.fill_betweenx(p, least, most, label=words.plain("figure.fragility_band"), **bounds)
         probability = ndtr(np.log(level / fit.median) / max(fit.dispersion, 1e-3 * STEEP))
         axes.plot(level, probability, color="0.0", linestyle=dashes)
         axes.plot(*fit.seen, linestyle="none", **mark)
@@ -305,10 +298,7 @@ def _fragilities(words: Words, fits: Sequence[FragilityCurve], measure: str) -> 
         name = words.plain("figure.fragility", state=fit.name, median=fit.median, dispersion=beta)
         handles.append(key(name, linestyle=dashes, **mark))
     axes.set(xlabel=measure, xlim=(start, top), ylabel=words.plain("figure.probability"), ylim=(0.0, 1.0))
-    if any(fit.band for fit in fits):
-        text = words.plain("figure.fragility_band")
-        handles.append(Patch(color="0.0", alpha=SHADE, linewidth=0.0, label=text))
-    legend(figure, handles, 1, handlelength=4.0)
+    legend(figure, 1, handles, handlelength=4.0)
     return figure
 
 
@@ -338,20 +328,19 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
         known_rows = (row for row in own if None not in row.dynamic_range)
         band = np.array([(row.movement_m, *row.dynamic_range) for row in known_rows])
         x, low, high = band.reshape(-1, 3).T * [[mm], [per_cent], [per_cent]]
-        axes.fill_between(x, low, high, color=BAND, linewidth=0.0)
+        if len(x):
+            named = words.plain("figure.loss_band")
+            axes.fill_between(x, low, high, color=BAND, linewidth=0.0, label=named)
         for losses_of, style in (("dynamic", solid), ("static", static)):
             pairs = [(row.movement_m, getattr(row, losses_of)) for row in own]
             shown = [(mm * movement, per_cent * loss) for movement, loss in pairs if loss is not None]
-            axes.plot([x for x, _ in shown], [y for _, y in shown], **style)
+            named = words.plain(f"figure.{losses_of}_loss")
+            axes.plot([x for x, _ in shown], [y for _, y in shown], label=named, **style)
         axes.set(xlabel=label("movement_m", words), ylabel=label("capacity_loss", words), title=name)
         axes.set_xlim(left=0.0)
         # the same in all: movements are compared
         axes.set_ylim(per_cent * least - room, per_cent * most + room)
-    handles: list[Artist] = [key(words.plain("figure.dynamic_loss"), **solid)]
-    if campaign.method != "stripes":
-        handles.append(Patch(color=BAND, linewidth=0.0, label=words.plain("figure.loss_band")))
-    handles.append(key(words.plain("figure.static_loss"), **static))
-    legend(figure, handles, 3)
+    legend(figure, 3)
     return figure
 
 

@@ -13,10 +13,11 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
-from matplotlib.patches import Rectangle
 from matplotlib.text import Text
-from matplotlib.ticker import Formatter
+from matplotlib.ticker import ScalarFormatter
+from mpl_toolkits.axes_grid1.anchored_artists import AnchoredSizeBar  # type: ignore[import-untyped]
 from PIL import Image
 
 from assessment.report.language import Words
@@ -30,7 +31,7 @@ OVER_LINES = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.6}  # behind a l
 SHADES = 64  # of a PNG in colours
 FONTS = f"'{FAMILY}', 'DejaVu Sans', Verdana, sans-serif"  # those of the PDF, then those of a screen
 BAND_MM = 1.0  # of white around a figure
-LINE_MM, FREE_MM, SCALE_MM = 3.8, 2.0, 4.0  # of a legend: a line, what is free around; height of the scale
+LINE_MM, FREE_MM, SCALE_MM = 3.8, 2.0, 5.0  # of a legend: a line, what is free around; height of the scale
 PNG_DPI = 200  # sharp enough on paper at the column's width
 LEGEND = 2  # columns
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)), (0, (3, 3)), (0, (8, 2)))
@@ -112,18 +113,14 @@ class Panels:
             ncols=min(len(labels), LEGEND), handlelength=1.8, columnspacing=1.6,
         )  # fmt: skip
         length = nice(self.paper(25.0))
-        end = 2.0 + 1000.0 * length / self.scale
-        across, up = self.figure.transFigure, np.array([-2.4, -1.6]) / height
-        for part in range(4):
-            x0, x1 = (2.0 + (end - 2.0) * each / 4.0 for each in (part, part + 1))
-            grey = "0.0" if part % 2 == 0 else "1.0"
-            box = Rectangle((x0 / WIDTH_MM, up[0]), (x1 - x0) / WIDTH_MM, up[1] - up[0], transform=across)
-            box.set(facecolor=grey, edgecolor="0.0", linewidth=0.4)
-            self.figure.add_artist(box)
         text = words.plain(
             "figure.scale", length=f"{words.comma(f'{length:g}')} m", scale=words.comma(f"{self.scale:g}")
         )
-        self.figure.text((end + 2.0) / WIDTH_MM, float(up.mean()), text, va="center", fontsize=6.5)
+        self.figure.add_artist(AnchoredSizeBar(
+            self.panels[0].transData, length, text, "upper left", borderpad=0.2, sep=2.0, frameon=False,
+            size_vertical=self.paper(0.6), fontproperties=FontProperties(size=6.5), bbox_to_anchor=(0.0, 0.0),
+            bbox_transform=self.figure.transFigure,
+        ))  # fmt: skip
 
 
 def sheet(
@@ -184,33 +181,33 @@ def chart(
     return figure, panels[:count]
 
 
-def legend(figure: Figure, handles: Sequence[Artist], columns: int = LEGEND, **style: Any) -> None:
-    """Put a legend below the axes of a chart, which becomes higher by it."""
-    columns = min(columns, len(handles))
-    lines = math.ceil(len(handles) / columns)
-    figure.set_figheight(figure.get_figheight() + (FREE_MM + LINE_MM * lines) * MM)
-    figure.legend(handles=handles, loc="outside lower center", ncols=columns, **style)
+def legend(figure: Figure, columns: int = LEGEND, handles: Sequence[Artist] = (), **style: Any) -> None:
+    """Put a legend below the axes of a chart, which becomes higher by it: each label once, then `handles`."""
+    named = dict[str, Any]()
+    for axes in figure.axes:
+        named = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True)) | named
+    shown = [*named.values(), *handles]
+    columns = min(columns, len(shown))
+    figure.set_figheight(figure.get_figheight() + (FREE_MM + LINE_MM * math.ceil(len(shown) / columns)) * MM)
+    figure.legend(handles=shown, loc="outside lower center", ncols=columns, **style)
 
 
-class EvenDecimals(Formatter):
-    """Tick labels of an axis with the decimal mark of the language, all with the same number of decimals."""
+class CommaFormatter(ScalarFormatter):
+    """Tick labels with the decimal mark of the language."""
 
     def __init__(self, words: Words) -> None:
+        super().__init__(useOffset=False)
+        self.set_scientific(False)
         self._words = words
 
     def __call__(self, value: float, pos: int | None = None) -> str:
         """Return the label of one value."""
-        return self.format_ticks([value])[0]
-
-    def format_ticks(self, values: Sequence[float]) -> list[str]:
-        """Return the labels of an axis."""
-        decimals = max((len(f"{value:.6g}".partition(".")[2]) for value in values), default=0)
-        return [self._words.rounded(value, decimals) for value in values]
+        return self._words.comma(super().__call__(value, pos))
 
 
 def comma_ticks(axes: Axes, words: Words) -> None:
     """Write the tick labels with the decimal mark of the language; the grid stands for tick marks."""
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(EvenDecimals(words))
+        axis.set_major_formatter(CommaFormatter(words))
     axes.locator_params(nbins=6)
     axes.tick_params(bottom=False, left=False)
