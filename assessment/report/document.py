@@ -194,8 +194,7 @@ def references(results: Results) -> list[str]:
     report, full = results.echo.report, results.echo.report.get("annexes") == "full"
     site = assessment.get("site") or {}
     used = {
-        "circular_2019": bool(assessment) and assessment.get("circular", 2019) == 2019,
-        "circular_2009": assessment.get("circular") == 2009,
+        "circular": bool(assessment),
         "hazard": "latitude" in site and site["latitude"] is not None,
         "heritage": bool(report.get("protection") or (results.knowledge and results.knowledge.components)),
         "sismabonus": used_as(results, RISK),
