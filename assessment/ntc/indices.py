@@ -6,11 +6,11 @@ NTC 2018, §8.4: what interventions must reach. None of it is compared with the 
 
 from bisect import bisect_right
 from collections.abc import Mapping
-from dataclasses import dataclass
 from itertools import pairwise
 from math import log
 
 from assessment.ntc.tables import EXCEEDANCE, USE_COEFFICIENT, Trace, datum, step
+from assessment.results.schema import RiskIndices
 
 CLASSES = ("A+", "A", "B", "C", "D", "E", "F", "G")
 _IS_V = (1.0, 0.80, 0.60, 0.45, 0.30, 0.15)  # least IS-V of classes A+ to E; below: F
@@ -21,21 +21,6 @@ _INITIAL_DAMAGE = 0.1  # 1/years: annual frequency of initial damage
 _SLO_OF_SLD, _SLC_OF_SLV = 1.67, 0.49  # frequencies of SLO and SLC from those of SLD and SLV
 _HERITAGE = "D.P.C.M. 9/2/2011, §2.4"
 _RISK = "D.M. 58/2017, Allegato A"
-
-
-@dataclass(frozen=True)
-class RiskIndices:
-    """Indices of a structure, the keys of the results; None where the return periods that they need are not known."""
-
-    I_S: float | None
-    f_a: float
-    acceptable_nominal_life_years: float | None
-    IS_V: float
-    IS_V_class: str
-    PAM: float | None
-    PAM_class: str | None
-    risk_class: str | None
-    trace: Trace
 
 
 def heritage_and_risk_indices(
@@ -68,7 +53,10 @@ def heritage_and_risk_indices(
         pam_class = CLASSES[bisect_right(_PAM, pam * (1.0 - 1e-12))]
         risk = max(is_v_class, pam_class, key=CLASSES.index)
         lines += steps
-    return RiskIndices(I_S, f_a, life, zeta, is_v_class, pam, pam_class, risk, tuple(lines))
+    return RiskIndices(
+        I_S=I_S, f_a=f_a, acceptable_nominal_life_years=life, IS_V=zeta, IS_V_class=is_v_class, PAM=pam,
+        PAM_class=pam_class, risk_class=risk, trace=lines,
+    )  # fmt: skip
 
 
 def expected_annual_loss(T_SLD: float, T_SLV: float) -> tuple[float, Trace]:

@@ -50,7 +50,7 @@ def to_docx(page: str, folder: Path) -> bytes:
     `page`: its HTML; `folder`: where the PNG or JPEG files are that figures name in their `data-file`.
     """
     root = html.document_fromstring(page, parser=html.HTMLParser(huge_tree=True))
-    document = Document()
+    document: Any = Document()
     styles = (files("templates") / "docx_styles.xml").read_text(encoding="utf-8")
     document.styles.element[:] = parse_xml(styles.replace("LOCALE", LOCALES[root.get("lang")]))[:]
     section = document.sections[0]
@@ -61,20 +61,8 @@ def to_docx(page: str, folder: Path) -> bytes:
     properties = document.core_properties  # no date, which would differ every time
     properties.title, properties.language = root.findtext(".//title"), root.get("lang")
     properties.author, properties.comments = about.get("author", ""), about.get("generator", "")
-    _cover(document, root.find_class("cover")[0])
-    _contents(document, root.find(".//nav"))
-    for element in root.find(".//main"):
-        _block(document, element, folder)
-    made, file = io.BytesIO(), io.BytesIO()
-    document.save(made)
-    with zipfile.ZipFile(made) as old, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as new:
-        for part in old.infolist():
-            new.writestr(zipfile.ZipInfo(part.filename, MADE), old.read(part), zipfile.ZIP_DEFLATED)
-    return file.getvalue()
-
-
-def _cover(document: Any, cover: Element) -> None:
-    """Write the title page, and the running heads of the section that follows: title above, page number below."""
+    # the title page, and the running heads of the section that follows: title above, page number below
+    cover = root.find_class("cover")[0]
     for element in cover:
         if element.tag == "table":
             _table(document, element)
@@ -88,10 +76,8 @@ def _cover(document: Any, cover: Element) -> None:
         part.paragraphs[0].text = f"{left}\t{right}"
         part.paragraphs[0].paragraph_format.tab_stops.add_tab_stop(WIDTH, WD_TAB_ALIGNMENT.RIGHT)
     _append(section.footer.paragraphs[0]._p, "fldSimple", 'w:instr="PAGE"', "<w:r><w:t>1</w:t></w:r>")
-
-
-def _contents(document: Any, nav: Element) -> None:
-    """Write the contents: the chapters, and the pages on which the program that shows the document has them."""
+    # the chapters, and the pages on which the program that shows the document has them
+    nav = root.find(".//nav")
     _paragraph(document, "Contents Heading").add_run(nav.findtext("h2"))
     for link in nav.iterfind(".//a"):
         line = _paragraph(document, "toc 1")
@@ -100,6 +86,14 @@ def _contents(document: Any, nav: Element) -> None:
         field = f'w:instr="PAGEREF _{escape(link.get("href")[1:])} \\h" w:dirty="true"'
         _append(line._p, "fldSimple", field, "<w:r><w:t>–</w:t></w:r>")
     document.add_page_break()
+    for element in root.find(".//main"):
+        _block(document, element, folder)
+    made, file = io.BytesIO(), io.BytesIO()
+    document.save(made)
+    with zipfile.ZipFile(made) as old, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as new:
+        for part in old.infolist():
+            new.writestr(zipfile.ZipInfo(part.filename, MADE), old.read(part), zipfile.ZIP_DEFLATED)
+    return file.getvalue()
 
 
 def _block(document: Any, element: Element, folder: Path) -> None:

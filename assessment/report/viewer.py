@@ -34,7 +34,29 @@ class Viewer:
 
 def viewer(results: Results, words: Words) -> Viewer | None:
     """Return script and data of the page that steps through the paths; None where no path was kept."""
-    paths = [*_pushdowns(results, words), *_pushovers(results, words), *_histories(results, words)]
+    paths = []
+    for where, path in moves(results):
+        curves = {"Rx": path.reaction_x_kN, "Rz": path.reaction_z_kN}
+        tied = _ties(results, where["state"], path.frames, path.ties)
+        axes = ("movement_m", path.movement_m), words.plain("viewer.reactions")
+        place = words.at(where["state"], None, where["contacts"])
+        paths.append(_path(results, words, f"pushdown: {place}", *axes, curves, path.frames, tied))
+    for where, push in pushes(results):
+        axes = ("displacement_m", push.curve.displacement_m), label("multiplier", words)
+        tied = _ties(results, where["state"], push.frames, push.ties)
+        title, curves = f"pushover: {words.at(*where.values())}", {"α": push.curve.multiplier}
+        found = _path(results, words, title, *axes, curves, push.frames, tied)
+        reach = scale("displacement_m") * max(map(abs, push.curve.displacement_m))
+        jumps = list(_jumps(results.states[where["state"]], where["direction"], reach))
+        paths.append(found | {"jumps": jumps})
+    for name, state in results.states.items():
+        for entry in state.history:
+            if (kept := entry.snapshots) and (curve := entry.curve):
+                axes = ("time_s", curve.time_s), label("displacement_m", words)
+                title = f"history: {words.state(name)}, {entry.record}"
+                curves = {"d": _shown("displacement_m", curve.displacement_m)}
+                tied = _ties(results, name, kept)
+                paths.append(_path(results, words, title, *axes, curves, kept, tied))
     if not paths:
         return None
     blocks = [
@@ -57,25 +79,6 @@ def viewer(results: Results, words: Words) -> Viewer | None:
     text = json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
     script = (files("templates") / "viewer.js").read_text(encoding="utf-8")
     return Viewer(Code(text), Code(script))
-
-
-def _pushdowns(results: Results, words: Words) -> Iterator[dict[str, Any]]:
-    for where, path in moves(results):
-        curves = {"Rx": path.reaction_x_kN, "Rz": path.reaction_z_kN}
-        ties = _ties(results, where["state"], path.frames, path.ties)
-        axes = ("movement_m", path.movement_m), words.plain("viewer.reactions")
-        place = words.at(where["state"], None, where["contacts"])
-        yield _path(results, words, f"pushdown: {place}", *axes, curves, path.frames, ties)
-
-
-def _pushovers(results: Results, words: Words) -> Iterator[dict[str, Any]]:
-    for where, push in pushes(results):
-        axes = ("displacement_m", push.curve.displacement_m), label("multiplier", words)
-        ties = _ties(results, where["state"], push.frames, push.ties)
-        title, curves = f"pushover: {words.at(*where.values())}", {"α": push.curve.multiplier}
-        found = _path(results, words, title, *axes, curves, push.frames, ties)
-        reach = scale("displacement_m") * max(map(abs, push.curve.displacement_m))
-        yield found | {"jumps": list(_jumps(results.states[where["state"]], where["direction"], reach))}
 
 
 def _path(
@@ -120,16 +123,6 @@ def _jumps(state: StateResults, direction: Direction, reach: float) -> Iterator[
             d = float(np.interp(d_star, np.maximum.accumulate(rigid.d_star_m), along))
             if abs(d) <= (1.0 + NEAR) * reach:
                 yield {"label": f"d_{limit}", "x": float(f"{d:.6g}")}
-
-
-def _histories(results: Results, words: Words) -> Iterator[dict[str, Any]]:
-    for name, state in results.states.items():
-        for entry in state.history:
-            if (kept := entry.snapshots) and (curve := entry.curve):
-                axes = ("time_s", curve.time_s), label("displacement_m", words)
-                title = f"history: {words.state(name)}, {entry.record}"
-                curves = {"d": _shown("displacement_m", curve.displacement_m)}
-                yield _path(results, words, title, *axes, curves, kept, _ties(results, name, kept))
 
 
 def _drawn(results: Results, kept: Frames | Snapshots) -> dict[str, Any]:

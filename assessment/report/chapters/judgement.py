@@ -44,48 +44,12 @@ def draft_judgement(results: Results, words: Words) -> list[Markup]:
 
 def findings(results: Results, words: Words) -> list[Markup]:
     """Return what was found, in sentences; of a structure that does not stand, that it does not."""
-    if not results.model.self_weight_stable:
-        return lead(results, words)
-    return [
-        *lead(results, words),
-        *_interventions(results, words),
-        *_chosen(results, words),
-        *_linear(results, words),
-        *_histories(results, words),
-        *_campaign(results, words),
-        *worst_scenario(results, words),
-        *_sensitive(results, words),
-        *_margins(results, words),
-        *_ties(results, words),
-    ]
+    return [*lead(results, words), *(_found(results, words) if results.model.self_weight_stable else ())]
 
 
-def _linear(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield the linear check of the weakest state beside the nonlinear one: the simplified assessment of §10.2."""
-    ratios_of = [(each.ratios, name, direction) for name, direction, each in capacities(results)]
-    made = {"SLV", "SLV linear"}
-    both = [(r["SLV"], r["SLV linear"], name, way) for r, name, way in ratios_of if made <= r.keys()]
-    if both:
-        full, linear, name, direction = min(both)
-        yield words("judgement.linear", state=name, direction=direction, linear=linear, full=full)
-
-
-def _chosen(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield the least ratio of the mechanisms that the engineer chose."""
-    made = [
-        (check.zeta_E, given, limit)
-        for given in results.mechanisms or []
-        for limit, check in given.checks.items()
-        if check.zeta_E is not None
-    ]
-    if made:
-        ratio, given, limit = min(made, key=itemgetter(0))
-        place = {"mechanism": given.name, "state": given.state, "limit": check_name(limit, words)}
-        yield words("judgement.chosen", **place, ratio=ratio)
-
-
-def _interventions(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield which interventions of NTC 2018, §8.4, each strengthening amounts to."""
+def _found(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield what was found beyond the answer: other checks, motions, campaigns, studies, margins, ties."""
+    # which interventions of NTC 2018, §8.4, each strengthening amounts to
     for state, found in determined_indices(results).items():
         told = []
         for kind, reached in (found.attained or {}).items():
@@ -96,30 +60,51 @@ def _interventions(results: Results, words: Words) -> Iterator[Markup]:
         if told:
             zetas = {"zeta": found.zeta_SLV, "before": found.zeta_before}
             yield words("judgement.interventions", state=state, told=Markup("; ").join(told), **zetas)
-
-
-def _ties(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield which ties yield along the curves."""
-    found = [each.tie for where, each in tensions(results) if each.yields and "direction" in where]
-    if found:
-        yield words("judgement.ties_yield", ties=", ".join(dict.fromkeys(found)))
-
-
-def _histories(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield in which states each record ends in collapse; of one without collapse the largest peak."""
+    # the least ratio of the mechanisms that the engineer chose
+    made = [
+        (check.zeta_E, given, limit)
+        for given in results.mechanisms or []
+        for limit, check in given.checks.items()
+        if check.zeta_E is not None
+    ]
+    if made:
+        ratio, given, limit = min(made, key=itemgetter(0))
+        place = {"mechanism": given.name, "state": given.state, "limit": check_name(limit, words)}
+        yield words("judgement.chosen", **place, ratio=ratio)
+    # the linear check of the weakest state beside the nonlinear one: the simplified assessment of §10.2
+    ratios_of = [(each.ratios, name, direction) for name, direction, each in capacities(results)]
+    pair = {"SLV", "SLV linear"}
+    both = [(r["SLV"], r["SLV linear"], name, way) for r, name, way in ratios_of if pair <= r.keys()]
+    if both:
+        full, linear, name, direction = min(both)
+        yield words("judgement.linear", state=name, direction=direction, linear=linear, full=full)
+    # in which states each record ends in collapse; of one without collapse the largest peak
     entries = [(name, entry) for name, state in results.states.items() for entry in state.history]
     for record in dict.fromkeys(entry.record for _, entry in entries):
         own = [(name, entry) for name, entry in entries if entry.record == record]
         fallen = [name for name, entry in own if entry.collapsed]
-        what = {"record": record, "pga": own[0][1].pga_g}
+        motion = {"record": record, "pga": own[0][1].pga_g}
         if fallen:
             states = ", ".join(f"“{words.state(name)}”" for name in fallen)
-            yield words("judgement.history_collapse", **what, states=states)
+            yield words("judgement.history_collapse", **motion, states=states)
         stood = [(entry.peak_displacement_m, name) for name, entry in own if not entry.collapsed]
         if peaks := [(peak, name) for peak, name in stood if peak is not None]:
             peak, name = max(peaks)
             text = "judgement.history_stands" if fallen else "judgement.history_peak"
-            yield words(text, **what, peak=peak, state=name)
+            yield words(text, **motion, peak=peak, state=name)
+    yield from _campaign(results, words)
+    yield from worst_scenario(results, words)
+    yield from _sensitive(results, words)
+    # how far each movement is from the one at which the structure falls, and what is lost on the way
+    for where, path in moves(results):
+        ultimate, applied = path.ultimate_movement_m, path.applied_movement_m
+        if ultimate:
+            key = "judgement.margin" if applied < ultimate else "judgement.no_margin"
+            yield words(key, **where, applied=applied, ultimate=ultimate, share=applied / ultimate)
+        if loss := path.local_loss:
+            yield words(f"judgement.loses_{'tie' if loss.tie else 'joint'}", **where, at=loss.displacement_m)
+    if yielding := [each.tie for where, each in tensions(results) if each.yields and "direction" in where]:
+        yield words("judgement.ties_yield", ties=", ".join(dict.fromkeys(yielding)))
 
 
 def _campaign(results: Results, words: Words) -> Iterator[Markup]:
@@ -180,16 +165,6 @@ def _sensitive(results: Results, words: Words) -> Iterator[Markup]:
     if without := dict.fromkeys(bar.property for bar in every if bar.swing_g is None):
         names = ", ".join(words.plain(f"value.{name}") for name in without)
         yield words("judgement.sensitive_open", properties=names)
-
-
-def _margins(results: Results, words: Words) -> Iterator[Markup]:
-    for where, path in moves(results):
-        ultimate, applied = path.ultimate_movement_m, path.applied_movement_m
-        if ultimate:
-            key = "judgement.margin" if applied < ultimate else "judgement.no_margin"
-            yield words(key, **where, applied=applied, ultimate=ultimate, share=applied / ultimate)
-        if loss := path.local_loss:
-            yield words(f"judgement.loses_{'tie' if loss.tie else 'joint'}", **where, at=loss.displacement_m)
 
 
 def _trust(results: Results, words: Words) -> Iterator[Markup]:

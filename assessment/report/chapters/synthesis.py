@@ -31,13 +31,33 @@ def lead(results: Results, words: Words) -> list[Markup]:
     """Return the answer in sentences: the index of each kind of state, its loss, whether it is verified."""
     if not results.model.self_weight_stable:
         return [words("judgement.unstable")]
-    worst = worst_settled(results) or ORIGINAL
+    worst, limit = worst_settled(results) or ORIGINAL, index_limit(results)
     sentences = [_of_state(results, worst, words)]
     sentences += [
         _strengthened(results, name, words) for name, state in results.states.items() if state.strengthening
     ]
-    sentences += _open(results, words)
-    sentences += _dynamic(results, worst, words)
+    # states and directions without an index
+    where = [
+        words("synthesis.open_at", state=row.state, direction=row.direction or "")
+        for row in results.summary.rows
+        if row.checks and limit and row.reached and index_of(row, limit) is None
+    ]
+    if where:
+        sentences.append(words("synthesis.open", where=Markup("; ").join(where), annex=QUALITY_ANNEX))
+    # the dynamic capacity beside the static one on the same reference, and what the motions lose of it
+    row = least_row(results, worst) or next(iter(rows_of(results, worst)), None)
+    if row is not None and (dynamic := row.dynamic_pga_g) is not None:
+        static = row.static_nominal_pga_g
+        key = f"synthesis.dynamic{'' if static is None else '_static'}"
+        sentences.append(words(key, dynamic=dynamic, static=static))
+    found = [results.states[worst].incremental.loss] if worst in results.states else []
+    moved = results.campaign.loss if results.campaign else []
+    found += [each for each in moved if (each.settlement, each.share) == (worst, 1.0)]
+    loss = next(filter(None, found), None)
+    if loss is not None and loss.dynamic is not None and None not in loss.dynamic_range:
+        low, high = loss.dynamic_range
+        kind = "loss_indistinct" if loss.distinguishable is False else "dynamic_loss"
+        sentences.append(words(f"synthesis.{kind}", loss=loss.dynamic, low=low, high=high))
     return [each for each in sentences if each]
 
 
@@ -116,34 +136,6 @@ def _strengthened(results: Results, name: str, words: Words) -> Markup:
     return words(f"synthesis.{key}", **said, **numbers, **kinds)
 
 
-def _open(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield the states and directions without an index, in one sentence."""
-    limit = index_limit(results)
-    where = [
-        words("synthesis.open_at", state=row.state, direction=row.direction or "")
-        for row in results.summary.rows
-        if row.checks and limit and row.reached and index_of(row, limit) is None
-    ]
-    if where:
-        yield words("synthesis.open", where=Markup("; ").join(where), annex=QUALITY_ANNEX)
-
-
-def _dynamic(results: Results, name: str, words: Words) -> Iterator[Markup]:
-    """Yield the dynamic capacity beside the static one on the same reference, and what the motions lose of it."""
-    row = least_row(results, name) or next(iter(rows_of(results, name)), None)
-    if row is not None and (dynamic := row.dynamic_pga_g) is not None:
-        static = row.static_nominal_pga_g
-        yield words(f"synthesis.dynamic{'' if static is None else '_static'}", dynamic=dynamic, static=static)
-    found = [results.states[name].incremental.loss] if name in results.states else []
-    moved = results.campaign.loss if results.campaign else []
-    found += [each for each in moved if (each.settlement, each.share) == (name, 1.0)]
-    loss = next(filter(None, found), None)
-    if loss is not None and loss.dynamic is not None and None not in loss.dynamic_range:
-        low, high = loss.dynamic_range
-        kind = "loss_indistinct" if loss.distinguishable is False else "dynamic_loss"
-        yield words(f"synthesis.{kind}", loss=loss.dynamic, low=low, high=high)
-
-
 def synthesis_grid(results: Results, words: Words) -> Grid | None:
     """Return the table of the first page: a row a state and direction; None without any row."""
     rows = [row for row in results.summary.rows if row.direction or row.dynamic_pga_g is not None]
@@ -210,33 +202,42 @@ def governing_mechanism(results: Results, words: Words) -> Markup:
 
 def basis(results: Results, words: Words) -> Iterator[Markup]:
     """Yield what the result rests on: friction, knowledge, hazard, ranges, crushing, and what is warned of."""
-    yield _friction(results, words)
+    limit = index_limit(results) or ""
+    # the law of friction, and the index by the other one where it differs by more than 2 %
+    found = {joint.friction for joint in results.geometry.joints if joint.friction is not None}
+    mu = "–".join(words.number(each, 2) for each in sorted({min(found), max(found)})) if found else "∞"
+    law = "coulomb" if coulomb(results.echo) else "associative"
+    others = [
+        words("synthesis.other_at", zeta=ratio, state=row.state, direction=row.direction or "")
+        for row in results.summary.rows
+        if row.other_law and limit and (ratio := (row.other_law.zeta_E or {}).get(limit)) is not None
+    ]
+    friction = words(f"synthesis.friction_{law}", mu=mu)
+    if others:
+        friction += words(f"synthesis.other_than_{law}", where=Markup("; ").join(others))
+    yield friction
     if results.echo.assessment:
         yield knowledge(results, words)
-    if (demand := (results.spectra or {}).get(limit := index_limit(results) or "")) is not None:
+    if (demand := (results.spectra or {}).get(limit)) is not None:
         life, pga = reference_life(results, words), demand.pga_g or demand.a_g_g
         yield words("synthesis.hazard", pga=pga, limit=limit, reference=life)
     if results.echo.pushover:
         yield _range(results, words)
     if few_records(results)["incremental"]:
         yield words("text.incremental_few")
-    yield _pressure(results, words)
+    # the greatest edge pressure beside the strength that was given
+    strengths = [joint.compressive_strength_kN_m2 for joint in results.geometry.joints]
+    limits = [each for each in strengths if each is not None]
+    pressed = edge_pressures(results)
+    known = bool(pressed) and bounded(pressed)
+    most = pressed[0].edge_pressure_kN_m2 if known else None
+    if not limits:
+        yield words("synthesis.no_strength_pressure" if known else "synthesis.no_strength", pressure=most)
+    else:
+        key = f"synthesis.strength{'' if known else '_alone'}"
+        yield words(key, strength=min(limits), pressure=most)
     if decree := results.echo.report.get("protection"):
         yield words("synthesis.listed", decree=decree)
-
-
-def _friction(results: Results, words: Words) -> Markup:
-    """Return the law of friction, and the index by the other one where it differs by more than 2 %."""
-    found = {joint.friction for joint in results.geometry.joints if joint.friction is not None}
-    mu = "–".join(words.number(each, 2) for each in sorted({min(found), max(found)})) if found else "∞"
-    law, limit = "coulomb" if coulomb(results.echo) else "associative", index_limit(results)
-    others = [
-        words("synthesis.other_at", zeta=ratio, state=row.state, direction=row.direction or "")
-        for row in results.summary.rows
-        if row.other_law and limit and (ratio := (row.other_law.zeta_E or {}).get(limit)) is not None
-    ]
-    said = words(f"synthesis.friction_{law}", mu=mu)
-    return said + words(f"synthesis.other_than_{law}", where=Markup("; ").join(others)) if others else said
 
 
 def knowledge(results: Results, words: Words) -> Markup:
@@ -275,15 +276,3 @@ def _range(results: Results, words: Words) -> Markup:
         low, high = push.alpha_0_range
         return words("synthesis.range_alpha", used=push.alpha_0, low=low, high=high)
     return words("synthesis.no_range" if (results.echo.scatter or 1) == 1 else "synthesis.one_path")
-
-
-def _pressure(results: Results, words: Words) -> Markup:
-    """Return the greatest edge pressure beside the strength that was given, or that none was."""
-    strengths = [joint.compressive_strength_kN_m2 for joint in results.geometry.joints]
-    limits = [each for each in strengths if each is not None]
-    pressed = edge_pressures(results)
-    known = bool(pressed) and bounded(pressed)
-    most = pressed[0].edge_pressure_kN_m2 if known else None
-    if not limits:
-        return words("synthesis.no_strength_pressure" if known else "synthesis.no_strength", pressure=most)
-    return words(f"synthesis.strength{'' if known else '_alone'}", strength=min(limits), pressure=most)

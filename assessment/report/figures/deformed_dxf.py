@@ -1,18 +1,17 @@
 """The deformed shapes as a DXF drawing, each on a layer of its own."""
 
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from ezdxf import units
 from ezdxf._options import options
 from ezdxf.filemanagement import new
 
 from assessment.report.figures.deformed import found_mechanism
 from assessment.report.language import slug
-from assessment.results.frames import tie_ends, ties_of
+from assessment.results.frames import tie_ends
 from assessment.results.hand_check import mechanisms
 from assessment.results.joint_states import joint_states, outlines, situations, thrust_lines
 from assessment.results.schema import Configuration, Results, StateResults
@@ -36,17 +35,28 @@ def write_deformed(results: Results, path: Path) -> None:
         drawing, text = new("R2010"), io.StringIO()
         drawing.units = units.M
         space, size = drawing.modelspace(), outlines(results).size
-        for number, (layer, shape) in enumerate(shapes(results)):
+        for number, (layer, shape, ties) in enumerate(shapes(results)):
             drawing.layers.add(layer, color=COLOURS[number % len(COLOURS)])
             for ring in shape.rings(shape.every):
                 space.add_lwpolyline(ring.tolist(), close=True, dxfattribs={"layer": layer})
-        for layer, colour, marks in _marks(results):
-            drawing.layers.add(layer, color=colour)
-            for mark in np.asarray(marks):
-                if mark.ndim == 1:
-                    space.add_circle(mark, HINGE_RADIUS * size, dxfattribs={"layer": layer})
-                else:
-                    space.add_line(mark[0], mark[1], dxfattribs={"layer": layer})
+            if len(ties):
+                drawing.layers.add(f"{layer}_TIES", color=2)
+            for start, end in ties:
+                space.add_line(start, end, dxfattribs={"layer": f"{layer}_TIES"})
+        for name, direction, rigid in mechanisms(results):
+            if points := rigid.mechanism.hinge_points_m:
+                layer = f"{_layer(results, name)}_HINGES_{SIDES[direction]}"
+                drawing.layers.add(layer, color=1)
+                for point in points:
+                    space.add_circle(point, HINGE_RADIUS * size, dxfattribs={"layer": layer})
+        for at in situations(results):
+            if lines := thrust_lines(joint_states(results, at)):
+                layer = (
+                    f"{_layer(results, at.state)}_THRUST_{SIDES[at.direction] if at.direction else 'REST'}"
+                )
+                drawing.layers.add(layer, color=5)
+                for start, end in lines:
+                    space.add_line(start, end, dxfattribs={"layer": layer})
         for kind in sorted(drawing.entitydb.dxf_types_in_use()):  # ezdxf leaves their order to chance
             drawing.classes.add_class(kind)
         drawing.write(text)
@@ -55,18 +65,19 @@ def write_deformed(results: Results, path: Path) -> None:
     write_atomically(path, text.getvalue().encode(drawing.output_encoding))
 
 
-def shapes(results: Results) -> Iterator[tuple[str, Shape]]:
-    """Yield layer and outlines of every deformed shape."""
+def shapes(results: Results) -> Iterator[tuple[str, Shape, Collection[Any]]]:
+    """Yield layer and outlines of every deformed shape, and the ends of its ties, m."""
     drawn = outlines(results)
-    yield "DRAWN", drawn
+    yield "DRAWN", drawn, [(tie.start_m, tie.end_m) for tie in results.model.ties or ()]
     for name, state in results.states.items():
         for what, configuration in _configurations(state):
             if configuration is not None:
-                yield f"{_layer(results, name)}_{what}", drawn.moved(configuration)
+                ends = tie_ends(results, name, configuration)
+                yield f"{_layer(results, name)}_{what}", drawn.moved(configuration), ends
         for direction, pushover in state.pushover.items():
             if pushover.rigid:
                 mechanism = found_mechanism(results, name, direction)
-                yield f"{_layer(results, name)}_MECHANISM_{SIDES[direction]}", mechanism.swept
+                yield f"{_layer(results, name)}_MECHANISM_{SIDES[direction]}", mechanism.swept, ()
 
 
 def _configurations(state: StateResults) -> Iterator[tuple[str, Configuration | None]]:
@@ -82,24 +93,6 @@ def _configurations(state: StateResults) -> Iterator[tuple[str, Configuration | 
     for number, entry in enumerate(state.history, 1):
         yield f"RECORD_{number}_PEAK", entry.peak_configuration
         yield f"RECORD_{number}_FINAL", entry.final_configuration
-
-
-def _marks(results: Results) -> Iterator[tuple[str, int, Sequence[Any]]]:
-    """Yield layer, colour and places, m: ends of the ties of every deformed shape, hinges, lines of thrust."""
-    if results.model.ties:
-        yield "DRAWN_TIES", 2, [(tie.start_m, tie.end_m) for tie in results.model.ties]
-    for name, state in results.states.items():
-        for what, configuration in _configurations(state):
-            if configuration is not None and ties_of(results, name):
-                ends = list(tie_ends(results, name, configuration))
-                yield f"{_layer(results, name)}_{what}_TIES", 2, ends
-    for name, direction, rigid in mechanisms(results):
-        if points := rigid.mechanism.hinge_points_m:
-            yield f"{_layer(results, name)}_HINGES_{SIDES[direction]}", 1, points
-    for situation in situations(results):
-        if lines := thrust_lines(joint_states(results, situation)):
-            at = SIDES[situation.direction] if situation.direction else "REST"
-            yield f"{_layer(results, situation.state)}_THRUST_{at}", 5, lines
 
 
 def _layer(results: Results, state: str) -> str:

@@ -230,26 +230,9 @@ class Multipliers(Part):
     alpha_u: float | None = optional("largest multiplier with elastic joints, α_u")
 
 
-class Borne(Multipliers):
-    """The same, and at a limit state."""
+class RiskIndices(Part):
+    """What follows from capacity and demand at SLV; null: the return periods that it needs are not known."""
 
-    a_g_g: float | None = optional("capacity a_g at `limit_state`; null: not defined")
-    zeta_E: float | None = optional("ratio to the demand")
-
-
-class Indices(Part):
-    """`states.NAME.indices`: of the direction with the least ratio at SLV."""
-
-    direction: Direction = key("direction of the push")
-    check: str = key("which check at SLV: the linear one where the nonlinear one has no number")
-    zeta_SLV: float = key("ζ_E at SLV (NTC 2018, §8.3): the headline", "ζ_E SLV", ratio=True)
-    zeta_SLC: float | None = key("least at SLC; null: not checked", "Rapporto SLC|Ratio SLC", ratio=True)
-    ratio_SLD: float | None = key("least at SLD; null: not checked", "Rapporto SLD|Ratio SLD", ratio=True)
-    T_SLV_years: float | None = key(
-        "return period of the capacity at SLV; null: not known", "T_SLV", null="not_determined"
-    )
-    T_SLV_stated: str | None = key('"> 2475" or "< 30" beyond the hazard')
-    T_R_SLV_years: float | None = key("return period of the demand at SLV; null: not known", "T_R,SLV")
     I_S: float | None = key("T_SLV/T_R,SLV (DPCM 9/2/2011); null: not known", "I_S", digits=2)
     f_a: float = key("a_SLV/a_g,SLV on rock (DPCM 9/2/2011)", "f_a", null="not_determined")
     acceptable_nominal_life_years: float | None = key(
@@ -264,6 +247,22 @@ class Indices(Part):
         "Classe di rischio|Risk class",
         null="not_determined",
     )
+    trace: list[Line] = key("their calculation")
+
+
+class Indices(RiskIndices):
+    """`states.NAME.indices`: of the direction with the least ratio at SLV."""
+
+    direction: Direction = key("direction of the push")
+    check: str = key("which check at SLV: the linear one where the nonlinear one has no number")
+    zeta_SLV: float = key("ζ_E at SLV (NTC 2018, §8.3): the headline", "ζ_E SLV", ratio=True)
+    zeta_SLC: float | None = key("least at SLC; null: not checked", "Rapporto SLC|Ratio SLC", ratio=True)
+    ratio_SLD: float | None = key("least at SLD; null: not checked", "Rapporto SLD|Ratio SLD", ratio=True)
+    T_SLV_years: float | None = key(
+        "return period of the capacity at SLV; null: not known", "T_SLV", null="not_determined"
+    )
+    T_SLV_stated: str | None = key('"> 2475" or "< 30" beyond the hazard')
+    T_R_SLV_years: float | None = key("return period of the demand at SLV; null: not known", "T_R,SLV")
     use_class: str = key("use class of the project file", "Classe d’uso|Use class")
     required_zeta: dict[str, float | None] = key(
         "ζ_E that each kind of intervention must reach (NTC 2018, §8.4), of a strengthened state from the ζ_E "
@@ -278,7 +277,6 @@ class Indices(Part):
         ratio=True,
     )
     attained: dict[str, bool] | None = optional("whether ζ_E at SLV reaches each", "Raggiunto|Attained")
-    trace: list[Line] = key("their calculation")
 
 
 class Knowledge(Part):

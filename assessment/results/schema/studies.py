@@ -1,6 +1,6 @@
 """Convergence, scenarios and sensitivity; identification of the support movement that explains what was measured."""
 
-from assessment.results.schema.checks import Borne, Direction
+from assessment.results.schema.checks import Direction, Multipliers
 from assessment.results.schema.part import Configuration, Part, Point, Sentence, key, optional
 from assessment.results.schema.static import RigidMovement
 
@@ -60,9 +60,11 @@ class Convergence(Part):
     incremental: list[ConvergenceRow] | None = optional("PGA at collapse")
 
 
-class Capacities(Borne):
+class Capacities(Multipliers):
     """What a study keeps of one state in one direction."""
 
+    a_g_g: float | None = optional("capacity a_g at `limit_state`; null: not defined")
+    zeta_E: float | None = optional("ratio to the demand")
     collapses: bool = key("whether the structure falls before the whole movement", "Collasso|Collapse")
 
 

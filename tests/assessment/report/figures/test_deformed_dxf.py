@@ -22,7 +22,7 @@ def test_shapes_come_back_from_the_file_as_they_were(written):
     drawing = readfile(written)
     assert drawing.units == 6  # metres
     assert not drawing.audit().errors
-    for layer, shape in shapes(typed(analysed())):
+    for layer, shape, _ in shapes(typed(analysed())):
         read = [list(each.vertices()) for each in drawing.modelspace().query(f'LWPOLYLINE[layer=="{layer}"]')]
         for ring, expected in zip(read, shape.rings(range(13)), strict=True):
             np.testing.assert_allclose(ring, expected, atol=1e-9)
@@ -37,7 +37,7 @@ def test_layers_name_state_and_shape(written):
 
 
 def test_the_settled_shape_has_moved_its_support_by_what_was_asked():
-    found = dict(shapes(typed(analysed())))
+    found = {layer: shape for layer, shape, _ in shapes(typed(analysed()))}
     right = [b["support"] for b in analysed()["geometry"]["blocks"]].index("right")
     moved = (
         found["1_RIGHT_SUPPORT_60_MM_SETTLED"].centroids[right] - outlines(typed(analysed())).centroids[right]
