@@ -8,7 +8,6 @@ import json
 import tomllib
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ from pydantic import ValidationError
 from assessment.project.problems import project_error, schema_problems
 from assessment.project.project import SOURCES, TOML, Project, spelt
 from assessment.project.schema import KeyPath, ProjectContent, alternatives, annotation_at
-from assessment.project.toml import read_toml, updated_toml
+from assessment.project.toml import read_toml
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.files import write_atomically
 
@@ -65,22 +64,20 @@ def edited(text: str, changes: Sequence[Change]) -> str:
     document: Any = tomlkit.parse(text)
     content = tomllib.loads(text)
     for path, value in changes:
-        content = copy.deepcopy(content)
         try:
-            if value is None:
-                for node in (document, content):
-                    _delete(node, path)
-            else:
-                # a page, whose JSON has no infinity, writes it as a text
-                unbounded = value in ("inf", "-inf") and float in alternatives(annotation_at(path))
-                _set(content, path, float(value) if unbounded else value)
+            # a page, whose JSON has no infinity, writes it as a text
+            unbounded = value in ("inf", "-inf") and float in alternatives(annotation_at(path))
+            given = float(value) if unbounded else value
+            for node in (content, document):
+                with suppress(ValueError):  # null within has no form in TOML, and is refused below
+                    _delete(node, path) if given is None else _set(node, path, copy.deepcopy(given))
         except (LookupError, TypeError, AttributeError):
             raise ProjectError(f"{TOML}: {'.'.join(map(str, path))}: there is no such place") from None
     try:
         ProjectContent.model_validate(content)
     except ValidationError as error:
         raise project_error(TOML, schema_problems(error, content), {}) from None
-    changed = updated_toml(tomlkit.dumps(document), content)
+    changed = tomlkit.dumps(document)
     said, asked = (
         json.dumps(each, sort_keys=True, default=str) for each in (tomllib.loads(changed), content)
     )
@@ -90,19 +87,18 @@ def edited(text: str, changes: Sequence[Change]) -> str:
 
 
 def _set(node: Any, path: KeyPath, value: Any) -> None:
-    for part, following in pairwise(path):
-        empty: Any = [] if isinstance(following, int) else {}
-        if isinstance(part, int):
-            if part == len(node):
-                node.append(empty)
-            node = node[part]
-        else:
-            node = node.setdefault(part, empty)
-    last = path[-1]
-    if isinstance(last, int) and last == len(node):
+    """Set what stands at a path, with the tables and lists on the way that are not there."""
+    keys: list[Any] = [*path]
+    while len(keys) > 1 and (keys[0] < len(node) if isinstance(keys[0], int) else keys[0] in node):
+        node = node[keys.pop(0)]
+    for part in reversed(keys[1:]):
+        value = [value] if part == 0 else {part: value}
+    key = keys[0]
+    if isinstance(key, int) and key == len(node):
         node.append(value)
-    else:
-        node[last] = value
+    # what agrees stays as it is written; True is not 1
+    elif isinstance(key, int) or key not in node or node[key] != value or isinstance(value, bool):
+        node[key] = value
 
 
 def _delete(node: Any, path: KeyPath) -> None:

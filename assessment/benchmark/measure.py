@@ -12,6 +12,7 @@ import platform
 import subprocess
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
@@ -184,7 +185,12 @@ def peak_memory() -> float:
 
 
 def machine() -> str:
-    """Processor, cores, memory, system, versions, commit and load, in a sentence or two."""
+    """Processor, cores, memory, system, versions, commit (+: files differ) and load, in a sentence or two."""
+    command = ["describe", "--always", "--abbrev=7", "--exclude=*", "--dirty=+"]
+    commit = "unknown"  # outside a checkout
+    with suppress(OSError, subprocess.CalledProcessError):
+        asked = ["git", "-C", str(Path(__file__).parent), *command]
+        commit = subprocess.run(asked, check=True, capture_output=True, text=True).stdout.strip()
     versions = ", ".join(f"{name} {installed(name)}" for name in PACKAGES)
     memory, cpuinfo = "", Path("/proc/cpuinfo")
     if hasattr(os, "sysconf"):  # Windows has none
@@ -194,23 +200,13 @@ def machine() -> str:
     processor = next(names, platform.processor() or platform.machine())
     return (
         f"{processor}, {os.cpu_count()} cores, {memory}{platform.system()}; Python "
-        f"{platform.python_version()}, {versions}; commit {_commit()}; load {load()} at the start."
+        f"{platform.python_version()}, {versions}; commit {commit}; load {load()} at the start."
     )
 
 
 def load() -> str:
     """How many processes want to run, in the mean over a minute."""
     return f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
-
-
-def _commit() -> str:
-    """The commit of the source, with a plus sign where files differ from it; unknown outside a checkout."""
-    asked = "describe --always --abbrev=7 --exclude=* --dirty=+"
-    command = ("git", "-C", str(Path(__file__).parent), *asked.split())
-    try:
-        return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
-    except (OSError, subprocess.CalledProcessError):
-        return "unknown"
 
 
 IN_PER_CENT = ("error", "saves")

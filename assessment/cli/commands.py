@@ -262,12 +262,17 @@ def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
 
     results = outcome.results
     best = best_of(results.identification) if results.identification else None
+    ultimates = [  # of a movement, m; None: not sought, or not reached
+        {"state": name, "contacts": behaviour, "ultimate_movement_m": path.ultimate_movement_m}
+        for name, state in results.states.items()
+        for behaviour, path in state.pushdown.items()
+    ]
     content = {
         "assesto": results.assesto, "title": results.title, "output": str(folder),
         "complete": outcome.complete, "analyses": {"computed": outcome.computed, "taken_over": outcome.taken},
         "model": {key: value for key, value in plain(results.model).items() if key != "warnings"},
         "summary": plain(results.summary), "undetermined": undetermined(results),
-        "capacities": capacities(results), "ultimate_movements": _ultimates(results),
+        "capacities": capacities(results), "ultimate_movements": ultimates,
         "worst_scenario": plain(results.scenarios.worst) if results.scenarios else None,
         "comparison": plain(results.comparison),
         "best_movement": plain(best.movement) if best else None, "warnings": _warnings(results, warnings),
@@ -292,15 +297,6 @@ def capacities(results: Results) -> list[dict[str, Any]]:
             row |= {"limit_state": limit} | (checks[limit] if limit else {"a_g_g": None, "zeta_E": None})
             rows.append(row | {"checks": checks})
     return rows
-
-
-def _ultimates(results: Results) -> list[dict[str, Any]]:
-    """Return the ultimate movement (m) of every state and behaviour of its joints; None: not sought, or not reached."""
-    return [
-        {"state": name, "contacts": behaviour, "ultimate_movement_m": path.ultimate_movement_m}
-        for name, state in results.states.items()
-        for behaviour, path in state.pushdown.items()
-    ]
 
 
 def _warnings(results: Results, others: Iterable[str]) -> list[str]:

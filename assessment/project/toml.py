@@ -1,4 +1,4 @@
-"""A project's content as TOML text: read, changed, and written with the meaning beside each key."""
+"""A project's content as TOML text: read, and written with the meaning beside each key."""
 
 import re
 import tomllib
@@ -42,37 +42,6 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise ProjectError(f"{path.name}: file: brackets within brackets without end; close them") from None
     except ValueError as error:  # TOMLDecodeError, or a number of thousands of digits
         raise ProjectError(f"{path.name}: {_syntax(text, str(error))}") from None
-
-
-def updated_toml(text: str, content: Mapping[str, Any]) -> str:
-    """Return a TOML text with its values changed to `content`, its comments and order kept; ValueError for no TOML."""
-    import tomlkit
-
-    document = tomlkit.parse(text)
-    _update(document, content)
-    return tomlkit.dumps(document)
-
-
-def _update(table: Any, content: Mapping[str, Any]) -> None:
-    """Change a table of a TOML document to `content`: values that agree stay as they are written."""
-    # a spreadsheet has no empty text
-    for key in [key for key in table if key not in content and table[key] != ""]:
-        del table[key]
-    for key, value in content.items():
-        if isinstance(value, Mapping) and isinstance(table.get(key), Mapping):
-            if value or not table[key]:
-                _update(table[key], value)
-            else:  # one that had only tables would go with them
-                table[key] = value
-        elif _is_tables(value) and _is_tables(table.get(key)):
-            for entry, given in zip(table[key], value, strict=False):
-                _update(entry, given)
-            for given in value[len(table[key]) :]:
-                table[key].append(given)
-            while len(table[key]) > len(value):
-                del table[key][-1]
-        elif key not in table or table[key] != value:
-            table[key] = value
 
 
 def commented_toml(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> str:

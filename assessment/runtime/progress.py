@@ -11,54 +11,37 @@ import os
 import platform
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from assessment.runtime.errors import WRONG_INPUT, ProjectError
 from assessment.runtime.files import write_atomically
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.progress import Progress
 
 LATE = "longer than expected"  # what is left once the time that was expected is over
 OVER = 1.0  # s: since when
-Event = Literal["begin", "under_way", "reached", "done", "fault", "end"]
-
-
-class Show:
-    """Receives the progress of the analyses as events, each with its fields; this one ignores them.
-
-    `begin` (stage, total, taken, work): of `total` analyses all but `taken` are to be computed, `work` in all;
-    `under_way` (title): one is being computed, of several the one that has been for longest; `reached` (work): so much
-    is done, analyses at work included; `done` (work): the same, and one more is finished; `fault` (title, reasons):
-    one, computed or taken over, could not be completed; `end`: of the stage. `interval` (s): between two of `reached`.
-    """
-
-    interval = 0.25
-
-    def tell(self, event: Event, **fields: Any) -> None:
-        """Receive an event."""
-
-
-SILENCE = Show()
 
 
 @dataclass
 class Stage:
-    """A stage as its events tell; times in s of one clock.
+    """How far a stage is, of whose `total` analyses all but `taken` are to be computed; times in s, of time.time().
 
-    `work`: of all its analyses, `reached` until `latest`, those at work with their share, in a unit of its own;
-    `under_way`: the analysis that it is at `since` then; `faults`: title and reasons of those not completed.
+    `work`: of these analyses, `reached` until `latest`, those at work with their share, in a unit of its own;
+    `under_way`: the analysis that it is at `since` then, of several the one that it has been at for longest; `faults`:
+    title and reasons of those, computed or taken over, that could not be completed.
     """
 
     name: str
     total: int
     taken: int
     work: float
-    began: float
+    began: float = field(default_factory=time.time)
     done: int = 0
     reached: float = 0.0
     latest: float = 0.0
@@ -66,6 +49,12 @@ class Stage:
     under_way: str | None = None
     since: float = 0.0
     faults: list[tuple[str, list[str]]] = field(default_factory=list)
+
+    def reach(self, work: float, finished: int = 0) -> None:
+        """Have so much work done, and so many more analyses."""
+        self.done += finished
+        if work > self.reached:
+            self.reached, self.latest = work, time.time()
 
     @property
     def open(self) -> int:
@@ -89,23 +78,6 @@ class Stage:
         return unknown if left is None else LATE if left < -OVER else clock(left)
 
 
-def heard(stages: list[Stage], now: float, event: Event, fields: Mapping[str, Any]) -> Stage:
-    """Add an event to the last of the stages, of which `begin` makes a new one, and return that."""
-    if event == "begin":
-        stages.append(Stage(fields["stage"], fields["total"], fields["taken"], fields["work"], now))
-    stage = stages[-1]
-    if event in ("reached", "done"):
-        stage.reached, stage.latest = fields["work"], now
-        stage.done += event == "done"
-    elif event == "under_way":
-        stage.under_way, stage.since = fields["title"], now
-    elif event == "fault":
-        stage.faults.append((fields["title"], [*map(str, fields["reasons"])]))
-    elif event == "end":
-        stage.ended, stage.under_way = True, None
-    return stage
-
-
 def clock(seconds: float) -> str:
     """Return a time as h:mm:ss."""
     whole = max(0, round(seconds))
@@ -122,54 +94,104 @@ class _Now:
         return self.text()
 
 
-class Bars(Show):
-    """A progress bar for the work of the current stage with the time left, and a line for each finished stage."""
+MOST_BYTES = 100_000_000  # that are read
+NOTHING = "nothing has been run in"
+NAME = ".assesto.journal"  # in the output folder: of the last run that computed or wrote something there
 
-    def __init__(self, console: Console) -> None:
-        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-        from rich.table import Column
 
-        # on a narrow terminal titles are cut, not times
-        rest = Column(ratio=1, no_wrap=True, overflow="ellipsis")
-        columns = (
-            TextColumn("{task.description}", markup=False, table_column=rest), BarColumn(bar_width=10),
-            TextColumn("{task.fields[count]}", markup=False), TimeElapsedColumn(),
-            TextColumn("left {task.fields[left]}", markup=False),
-        )  # fmt: skip
-        self.progress = Progress(*columns, console=console, transient=True, expand=True)
-        self.stages: list[Stage] = []
+@dataclass
+class RunRecord:
+    """The stages of the last run that began any, and the exit code of the last that ended."""
 
-    def tell(self, event: Event, **fields: Any) -> None:
-        """Draw an event."""
-        stage, lines = heard(self.stages, time.perf_counter(), event, fields), list[str]()
-        count = f"{stage.taken + stage.done}/{stage.total}"
-        if event == "begin":
-            left = _Now(lambda: stage.time_left(time.perf_counter(), "-:--:--"))
-            doing: Any = _Now(lambda: stage.doing(time.perf_counter()))
-            self.task = self.progress.add_task(doing, total=stage.work, count=count, left=left)
-        elif event == "fault":
-            lines = [f"✗ {fields['title']}: {reason}" for reason in fields["reasons"]]
-        elif event == "end":
-            self.progress.remove_task(self.task)
-            kept = f", {stage.taken} taken over, inputs unchanged" if stage.taken else ""
-            lines = [f"· {stage.name}: {stage.total}{kept}, {time.perf_counter() - stage.began:.1f} s"]
-        elif event in {"reached", "done"}:
-            self.progress.update(self.task, completed=stage.reached, count=count)
-        for line in lines:
-            self.progress.console.print(line, highlight=False, markup=False)
+    stages: list[Stage] = field(default_factory=list)
+    exit_code: int | None = None
+
+
+class Show:
+    """Shows how far the stages of a run are: as bars on a console, and in the journal of a folder, where it has them.
+
+    `every` (s): between two writes to the journal, beside those where a stage begins or ends.
+    """
+
+    def __init__(self, console: Console | None = None, every: float = 1.0) -> None:
+        self.bars = _bars(console) if console else None
+        self.folder: Path | None = None
+        self.record, self.every, self.latest = RunRecord(), every, 0.0
+
+    def keep_in(self, folder: Path) -> None:
+        """Write the journal of a folder from now on, in the place of that of an earlier run."""
+        self.folder = folder
+        (folder / NAME).unlink(missing_ok=True)
+
+    def begin(self, stage: Stage) -> None:
+        """Show a stage that begins: its texts are made anew whenever the bar is drawn."""
+        self.record.stages.append(stage)
+        if self.bars:
+            count = _Now(lambda: f"{stage.taken + stage.done}/{stage.total}")
+            left = _Now(lambda: stage.time_left(time.time(), "-:--:--"))
+            doing: Any = _Now(lambda: stage.doing(time.time()))
+            self.task = self.bars.add_task(doing, total=stage.work, count=count, left=left)
+        self._keep(0.0)
+
+    def changed(self, stage: Stage, title: str | None = None) -> None:
+        """Show that more of it is done, or that an analysis of another title is under way."""
+        if title is not None:
+            stage.under_way, stage.since = title, time.time()
+        if self.bars:
+            self.bars.update(self.task, completed=stage.reached)
+        self._keep(self.every)
+
+    def failed(self, stage: Stage, title: str, reasons: Iterable[str]) -> None:
+        """Add an analysis that could not be completed, and tell why."""
+        stage.faults.append((title, [*map(str, reasons)]))
+        for reason in stage.faults[-1][1]:
+            self._print(f"✗ {title}: {reason}")
+
+    def end(self, stage: Stage) -> None:
+        """Tell of a stage that has ended, in a line in the place of its bar."""
+        stage.ended, stage.under_way = True, None
+        if self.bars:
+            self.bars.remove_task(self.task)
+        kept = f", {stage.taken} taken over, inputs unchanged" if stage.taken else ""
+        self._print(f"· {stage.name}: {stage.total}{kept}, {time.time() - stage.began:.1f} s")
+        self._keep(0.0)
+
+    def _print(self, line: str) -> None:
+        if self.bars:
+            self.bars.console.print(line, highlight=False, markup=False)
+
+    def _keep(self, every: float) -> None:
+        if self.folder is not None and (now := time.time()) - self.latest >= every:
+            self.latest = now
+            _write(self.folder, self.record)
+
+
+def _bars(console: Console) -> Progress:
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.table import Column
+
+    # on a narrow terminal titles are cut, not times
+    rest = Column(ratio=1, no_wrap=True, overflow="ellipsis")
+    columns = (
+        TextColumn("{task.description}", markup=False, table_column=rest), BarColumn(bar_width=10),
+        TextColumn("{task.fields[count]}", markup=False), TimeElapsedColumn(),
+        TextColumn("left {task.fields[left]}", markup=False),
+    )  # fmt: skip
+    return Progress(*columns, console=console, transient=True, expand=True)
 
 
 @contextmanager
 def progress() -> Iterator[Show]:
     """Yield a Show that prints progress to standard error; silent if that is not a terminal."""
     if not sys.stderr.isatty():
-        yield SILENCE
+        yield Show()
         return
     from rich.console import Console
 
-    bars = Bars(Console(stderr=True))
-    with bars.progress:
-        yield bars
+    show = Show(Console(stderr=True))
+    assert show.bars
+    with show.bars:
+        yield show
 
 
 LOCK = ".assesto.lock"  # in the output folder, while a run writes there
@@ -242,39 +264,6 @@ def _read(path: Path) -> Holder:
         text, _, facts = path.read_text(encoding="utf-8").partition("\n")
         return Holder(text, int(json.loads(facts)["pid"]))
     return Holder("a process which has just begun", None)
-
-
-MOST_BYTES = 100_000_000  # that are read
-NOTHING = "nothing has been run in"
-NAME = ".assesto.journal"  # in the output folder: of the last run that computed or wrote something there
-
-
-@dataclass
-class RunRecord:
-    """The stages of the last run that began any, and the exit code of the last that ended."""
-
-    stages: list[Stage] = field(default_factory=list)
-    exit_code: int | None = None
-
-
-class Journal(Show):
-    """Writes the record of a run into its folder where a stage begins or ends, and `every` so many s; tells `show`.
-
-    It takes the place of the journal of an earlier run in the folder.
-    """
-
-    def __init__(self, folder: Path, show: Show, every: float = 1.0) -> None:
-        self.folder, self.show, self.every = folder, show, every
-        self.record, self.latest = RunRecord(), 0.0
-        (folder / NAME).unlink(missing_ok=True)
-
-    def tell(self, event: Event, **fields: Any) -> None:
-        """Add an event to the record, and pass it on."""
-        heard(self.record.stages, now := time.time(), event, fields)
-        if event in ("begin", "end") or now - self.latest >= self.every:
-            self.latest = now
-            _write(self.folder, self.record)
-        self.show.tell(event, **fields)
 
 
 def _write(folder: Path, record: RunRecord) -> None:

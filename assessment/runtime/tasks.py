@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import suppress
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar, TypeVarTuple
 
 from assessment.runtime.cache import Store, fingerprint, packed, returned, unpacked
 from assessment.runtime.pool import Cluster, KilledError, Pool, finished, processes
-from assessment.runtime.progress import SILENCE, Show
+from assessment.runtime.progress import Show, Stage
 
 if TYPE_CHECKING:
     from assessment.results.schema import Results
@@ -36,9 +35,9 @@ class From:
 
 @dataclass
 class _Stage:
-    """The tasks of a stage, each an application of `function`; the results `known` of them, and the work that is done.
+    """The tasks of a stage, each an application of `function`; the results `known` of them; how far it is, to `show`.
 
-    `weights`: about how long each analysis that is not finished takes, by its number; `shares`: of those at work.
+    `weights`: about how long each analysis that is not finished takes, by its number; `worked`: of those finished.
     """
 
     function: Callable[..., Any]
@@ -46,12 +45,10 @@ class _Stage:
     titles: Sequence[str]
     show: Show
     weights: dict[int, float]
+    stage: Stage
     known: dict[int, Any] = field(default_factory=dict)
     keys: dict[int, str] = field(default_factory=dict)
-    done: float = 0.0
-    shares: Mapping[int, float] = field(default_factory=dict)
-    looked: float = field(default_factory=time.monotonic)
-    named: int | None = None
+    worked: float = 0.0
 
     def ready(self, number: int) -> bool:
         """Whether all results are known that the arguments of a task follow from."""
@@ -69,41 +66,35 @@ class _Stage:
         return self.keys[number]
 
     def finish(self, number: int, result: Any) -> None:
-        """Take over the result of an analysis, and report the work done."""
+        """Take over the result of an analysis, and tell that it is done, or why it could not be completed."""
         self.known[number] = result
-        self.done += self.weights.pop(number)
-        self.show.tell("done", work=self._reached())
+        self.worked += self.weights.pop(number)
+        self.stage.done += 1
         self.tell(number)
+        self.look({})
 
     def tell(self, number: int) -> None:
-        """Report why an analysis could not be completed, if so."""
+        """Tell why an analysis could not be completed, if so."""
         result = self.known[number]
         parts = result if isinstance(result, list) else [result]
         if reasons := [text for part in parts for text in getattr(part, "failures", ())]:
-            self.show.tell("fault", title=self.titles[number], reasons=reasons)
+            self.show.failed(self.stage, self.titles[number], reasons)
 
     def hear(self, number: int, share: float | None) -> None:
-        """Take over the share that is done of an analysis in this process; reported at the `interval` of `show`."""
-        if share and time.monotonic() - self.looked >= self.show.interval:
-            self.looked = time.monotonic()
-            self.look({number: share})
+        """Tell the share that is done of an analysis in this process."""
+        self.look({number: share})
 
-    def look(self, shares: Mapping[int, float]) -> None:
-        """Report the shares that are done of the analyses at work."""
-        self.shares = shares
-        if (reached := self._reached()) > 0.0:
-            self.show.tell("reached", work=reached)
+    def look(self, shares: Mapping[int, float | None]) -> None:
+        """Tell the shares that are done of analyses at work; one that has just ended counts as a whole, and once."""
+        at_work = sum(self.weights.get(number, 0.0) * (share or 0.0) for number, share in shares.items())
+        self.stage.reach(self.worked + at_work)
+        self.show.changed(self.stage)
 
     def name(self, begun: Iterable[int]) -> None:
-        """Report what has been `begun` first and is not finished: one large program reports no share for a minute."""
+        """Tell what has been `begun` first and is not finished: one large program reports no share for a minute."""
         number = next((each for each in begun if each in self.weights), None)
-        if number is not None and number != self.named:
-            self.show.tell("under_way", title=self.titles[number])
-            self.named = number
-
-    def _reached(self) -> float:
-        """Work that is done; an analysis that has just ended counts as a whole, and once."""
-        return self.done + sum(self.weights.get(number, 0.0) * share for number, share in self.shares.items())
+        if number is not None and self.titles[number] != self.stage.under_way:
+            self.show.changed(self.stage, self.titles[number])
 
 
 @dataclass(frozen=True)
@@ -129,7 +120,7 @@ class Workers:
     jobs: int = 0
     store: Store | None = None
     fresh: bool = False
-    show: Show = SILENCE
+    show: Show = field(default_factory=Show)
     computed: int = 0
     taken: int = 0
     kept: set[str] = field(default_factory=set)
@@ -147,14 +138,14 @@ class Workers:
         """
         every = range(len(tasks))
         shares = dict(zip(every, weights or repeat(1.0), strict=False))
-        at_hand = _Stage(function, tasks, titles, self.show, shares)
+        at_hand = _Stage(function, tasks, titles, self.show, shares, Stage(stage, len(tasks), 0, 0.0))
         for number in filter(at_hand.ready, every):
             if self._took(at_hand, number):
                 del at_hand.weights[number]
         if not tasks:
             return []
-        counts = {"total": len(tasks), "taken": len(at_hand.known), "work": sum(at_hand.weights.values())}
-        self.show.tell("begin", stage=stage, **counts)
+        at_hand.stage.taken, at_hand.stage.work = len(at_hand.known), sum(at_hand.weights.values())
+        self.show.begin(at_hand.stage)
         for number in at_hand.known:
             at_hand.tell(number)
         try:
@@ -168,7 +159,7 @@ class Workers:
                 at_hand.finish(number, result)
         except KilledError as error:
             raise KilledError(f"{stage}: {error}") from None
-        self.show.tell("end")
+        self.show.end(at_hand.stage)
         return [at_hand.known[number] for number in every]
 
     def _took(self, stage: _Stage, number: int) -> bool:

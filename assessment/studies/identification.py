@@ -18,7 +18,7 @@ from assessment.project.schema import MeasurementTable
 from assessment.results.schema import Configuration, QualityRow
 from assessment.results.schema import studies as parts
 from assessment.results.summary import UNLIKELY
-from assessment.runtime.progress import SILENCE
+from assessment.runtime.progress import Show, Stage
 from assessment.runtime.tasks import Workers, large
 from assessment.studies import fit as fitting
 from assessment.studies.variants import Study
@@ -277,17 +277,17 @@ def identification(project: Project, model: Assembly, workers: Workers, study: S
     search = MovementSearch(model, law, tuple(found), value, sigma, largest, workers, study)
     table = project.identification
     asked = [fitting.unknowns_of(each, lever, table.downward_only) for each in table.hypotheses]
-    show, workers.show = workers.show, SILENCE  # one line of progress for all of their many short paths
-    show.tell("begin", stage="identification", total=len(asked), taken=0, work=float(len(asked)))
+    show, workers.show = workers.show, Show()  # one line of progress for all of their many short paths
+    show.begin(stage := Stage("identification", len(asked), 0, float(len(asked))))
     hypotheses: list[parts.Explanation] = []
     try:
         for unknowns in asked:
-            show.tell("under_way", title=unknowns.title)
+            show.changed(stage, unknowns.title)
             hypotheses.append(_explained(project, search, unknowns))
-            show.tell("done", work=float(len(hypotheses)))
+            stage.reach(float(len(hypotheses)), 1)
     finally:
         workers.show = show
-    show.tell("end")
+    show.end(stage)
     known = [each.aic for each in hypotheses if each.aic is not None]
     least = min(known, default=math.nan)
     alike = [each.aic is not None and math.isclose(each.aic, least, abs_tol=1e-6) for each in hypotheses]

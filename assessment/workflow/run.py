@@ -20,7 +20,7 @@ from assessment.runtime import files as disk
 from assessment.runtime.cache import FOLDER, Store, unpacked
 from assessment.runtime.errors import ProjectError, nearest
 from assessment.runtime.pool import KilledError, Pool, processes, result_of
-from assessment.runtime.progress import Journal, locked
+from assessment.runtime.progress import Stage, locked
 from assessment.runtime.tasks import Outcome
 from assessment.workflow import STAGES
 
@@ -219,7 +219,7 @@ def carry_out(
         return last.outcome(folder), last.warnings
     with locked(folder):
         disk.clear(folder)
-        show = Journal(folder, show)
+        show.keep_in(folder)
         from assessment.project.model import build_model
         from assessment.report.chapters.judgement import refuse_unreadable
         from assessment.workflow.stages import run
@@ -227,11 +227,11 @@ def carry_out(
         refuse_unreadable(folder)
         model, store = build_model(project), Store(folder / FOLDER)
         outcome = run(project, model, jobs, store, fresh, show, scheduler)
-        show.tell("begin", stage="report" if report else "figures and tables", total=1, taken=0, work=1.0)
+        show.begin(stage := Stage("report" if report else "figures and tables", 1, 0, 1.0))
         warnings = write(outcome.results, folder, report, jobs, project.attachments())
         remember(folder, outcome, key, warnings)
-        show.tell("done", work=1.0)
-        show.tell("end")
+        stage.reach(1.0, 1)
+        show.end(stage)
     return outcome, warnings
 
 

@@ -30,7 +30,7 @@ from assessment.results.schema.studies import ConvergenceRow, Identification, Sc
 from assessment.results.summary import summary_of, without
 from assessment.results.table import comparison
 from assessment.runtime.cache import Store
-from assessment.runtime.progress import SILENCE, Show
+from assessment.runtime.progress import Show
 from assessment.runtime.tasks import Outcome, Workers, large
 from assessment.studies import searches
 from assessment.studies.campaign import campaign
@@ -49,14 +49,14 @@ FEW = 3  # warnings of a study that are repeated among those of the run
 
 def run(
     project: Project, model: ProjectModel, jobs: int = 0, store: Store | None = None, fresh: bool = False,
-    show: Show = SILENCE, scheduler: str | None = None,
+    show: Show | None = None, scheduler: str | None = None,
 ) -> Outcome:  # fmt: skip
     """Carry out every stage that the project asks for; for the other arguments see Workers.
 
     Raises ProjectError or ValueError for records and hazard that cannot be read, KilledError for a killed process,
     and pydantic's ValidationError for results that are not as the schema says (a fault of the program).
     """
-    with Workers(jobs, store, fresh, show, scheduler=scheduler) as workers:
+    with Workers(jobs, store, fresh, show or Show(), scheduler=scheduler) as workers:
         read = read_inputs(project, model)
         draft = Draft(read, workers, read.results, [*read.notes])
         _carry_out(draft)

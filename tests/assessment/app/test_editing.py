@@ -52,6 +52,7 @@ def test_entries_are_deleted_with_their_comments_and_the_last_one_with_its_key()
     [
         (("material", "friction"), -1, "project.toml: material.friction: -1 is wrong; write a number not less"),
         (("material", "friction"), "0,5", "0.5"),
+        (("control", 0, "point_m"), [None, 4.2], "control[1].point_m[1]: null is wrong; write a number"),
         (("material", "colour"), "red", "material.colour: unknown key"),
         (("title",), "", "title"),
         (("geometry", "unit"), None, "geometry.unit: missing; add it"),

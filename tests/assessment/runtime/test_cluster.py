@@ -37,11 +37,11 @@ class Murder(Show):
     """Kills a worker as soon as the first combination of the campaign is finished."""
 
     def __init__(self, local):
-        self.local, self.stage, self.killed = local, "", 0
+        super().__init__()
+        self.local, self.killed = local, 0
 
-    def tell(self, event, **fields):
-        self.stage = fields.get("stage", self.stage)
-        if event == "done" and self.stage == "campaign" and not self.killed:
+    def changed(self, stage, title=None):
+        if stage.done and stage.name == "campaign" and not self.killed:
             self.killed = next(iter(self.local.workers.values())).pid
             os.kill(self.killed, signal.SIGKILL)
 

@@ -12,8 +12,8 @@ from assessment.runtime.progress import (
     LOCK,
     NAME,
     BusyError,
-    Journal,
     Show,
+    Stage,
     locked,
     read_journal,
     record_exit,
@@ -22,13 +22,20 @@ from assessment.runtime.progress import (
 from tests.support.block_project import ROOT, run
 
 
+def shown_in(folder):
+    """What keeps the journal of a folder, and writes whatever changes."""
+    show = Show(every=0.0)
+    show.keep_in(folder)
+    return show
+
+
 def test_stages_failures_and_the_time_left_are_told(tmp_path):
     with locked(tmp_path):
-        show = Journal(tmp_path, Show(), every=0.0)
-        show.tell("begin", stage="campaign", total=10, taken=4, work=600.0)
-        show.tell("fault", title="wave", reasons=["a step was not solved"])
-        show.tell("done", work=100.0)
-        show.tell("done", work=200.0)
+        show = shown_in(tmp_path)
+        show.begin(stage := Stage("campaign", 10, 4, 600.0))
+        show.failed(stage, "wave", ["a step was not solved"])
+        stage.done, stage.reached, stage.latest = 2, 200.0, stage.began
+        show.changed(stage)
         told = status(tmp_path)
         [stage] = read_journal(tmp_path).stages
         stage.began, stage.latest = 0.0, 20.0
@@ -50,7 +57,7 @@ def test_a_folder_in_which_nothing_has_been_run(tmp_path):
 )
 def test_what_is_to_be_done_follows_from_the_exit_code(tmp_path, code, last):
     with locked(tmp_path):
-        Journal(tmp_path, Show()).tell("begin", stage="pushover", total=1, taken=0, work=1.0)
+        shown_in(tmp_path).begin(Stage("pushover", 1, 0, 1.0))
         record_exit(tmp_path, code)
     assert last in status(tmp_path).splitlines()[-1]
 
@@ -64,14 +71,14 @@ def test_status_as_json_has_where_the_run_is_and_how_it_ended(tmp_path, capsys):
 
     assert told()["stage"] is None and told()["exit_code"] is None
     with locked(output):
-        show = Journal(output, Show(), every=0.0)
-        show.tell("begin", stage="pushover", total=1, taken=0, work=1.0)
-        show.tell("fault", title="wall +x", reasons=["no capacity"])
-        show.tell("done", work=1.0)
-        show.tell("end")
-        show.tell("begin", stage="campaign", total=10, taken=4, work=600.0)
-        show.tell("under_way", title="wave, +x")
-        show.tell("done", work=100.0)
+        show = shown_in(output)
+        show.begin(stage := Stage("pushover", 1, 0, 1.0))
+        show.failed(stage, "wall +x", ["no capacity"])
+        stage.done = 1
+        show.end(stage)
+        show.begin(stage := Stage("campaign", 10, 4, 600.0, done=1, reached=100.0))
+        stage.latest = stage.began + 1.0
+        show.changed(stage, "wave, +x")
         found = told()
         rest = read_journal(output).stages[-1]
     assert found["running"] is True and found["pid"] == os.getpid() and found["exit_code"] is None

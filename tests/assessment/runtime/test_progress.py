@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from assessment.runtime import progress as terminal
-from assessment.runtime.progress import Bars
+from assessment.runtime.progress import Show, Stage
 from tests.support.block_project import edit, read_results
 from tests.support.every_stage import assesto, write_every_stage
 
@@ -66,7 +66,7 @@ def test_bars_on_a_terminal(project, capsys, monkeypatch):
 def clock(monkeypatch):
     """The time that bars are drawn at, s."""
     clock = SimpleNamespace(now=1000.0)
-    monkeypatch.setattr(terminal, "time", SimpleNamespace(perf_counter=lambda: clock.now))
+    monkeypatch.setattr(terminal, "time", SimpleNamespace(time=lambda: clock.now))
     return clock
 
 
@@ -74,7 +74,7 @@ def clock(monkeypatch):
 def bars(clock):
     from rich.console import Console
 
-    return Bars(Console(file=StringIO(), force_terminal=True, width=120))
+    return Show(Console(file=StringIO(), force_terminal=True, width=120))
 
 
 @pytest.fixture
@@ -86,7 +86,7 @@ def shown(bars):
 
         console = Console(file=StringIO(), force_terminal=True, width=width)
         with console.capture() as capture:
-            console.print(bars.progress.get_renderable())
+            console.print(bars.bars.get_renderable())
         return re.sub(r"\x1b\[[0-9;]*m", "", capture.get())
 
     return drawn
@@ -94,18 +94,18 @@ def shown(bars):
 
 def test_the_time_left_is_known_before_an_analysis_is_finished(clock, bars, shown):
     """Two of four were taken over. A third of one takes 30 s, as do the other five thirds: 150 s are left."""
-    bars.tell("begin", stage="pushover", total=4, taken=2, work=2.0)
+    bars.begin(stage := Stage("pushover", 4, 2, 2.0, clock.now))
     assert "left -:--:--" in shown()
     clock.now += 30.0
-    bars.tell("reached", work=1.0 / 3.0)
+    stage.reach(1.0 / 3.0)
     assert "left 0:02:30" in shown()
     clock.now += 60.0
     assert "left 0:01:30" in shown()
-    bars.tell("done", work=1.0)
+    stage.reach(1.0)
     assert "left 0:01:30" in shown()
     clock.now += 30.0
     assert "left 0:01:00" in shown()
     clock.now += 70.0
     assert "left longer than expected" in shown(), "it said 0:00:00 while nothing ended"
-    bars.tell("done", work=2.0)
+    stage.reach(2.0)
     assert "left 0:00:00" in shown()

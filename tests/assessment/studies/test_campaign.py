@@ -205,7 +205,7 @@ def test_a_scan_begins_where_its_neighbour_ends_and_levels_do_not_depend_on_what
     for show in shows:  # stopped twice, then run to its end, in one process
         with suppress(KeyboardInterrupt):
             again = workflow(project, model, jobs=1, store=Store(block / "kept"), show=show)
-    assert [show.left < 0 for show in shows] == [True, True, False], "stopped"
+    assert [show.record.stages[-1].ended for show in shows] == [False, False, True], "stopped"
     assert again.complete and sum(show.finished for show in shows) == whole.computed
     assert timeless(plain(again.results)) == timeless(plain(whole.results))
     rows = plain(whole.results)["campaign"]["combinations"]
@@ -217,16 +217,15 @@ class Stopping(Show):
     """Interrupts a campaign of two combinations before so many are finished; counts all that is `finished`."""
 
     def __init__(self, after):
-        self.left, self.searches, self.finished = after, False, 0
+        super().__init__()
+        self.left = after
 
-    def tell(self, event, **fields):
-        if event == "begin":
-            self.searches = (fields["stage"], fields["total"]) == ("campaign", 2)
-        if event != "done":
-            return
-        self.finished += 1
-        self.left -= self.searches
-        if self.left < 0:
+    @property
+    def finished(self):
+        return sum(stage.done for stage in self.record.stages)
+
+    def changed(self, stage, title=None):
+        if (stage.name, stage.total) == ("campaign", 2) and stage.done > self.left:
             raise KeyboardInterrupt
 
 
