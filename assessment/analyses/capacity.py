@@ -15,9 +15,8 @@ from assessment.analyses.paths import loss_sentence, what_is_lost
 from assessment.analyses.states import PAST_PEAK
 from assessment.ntc import capacity_curve as oscillator
 from assessment.ntc.curve_fit import CapacityError, Curve, Way, fit_curve
-from assessment.ntc.floor_spectrum import ground_of
+from assessment.ntc.floor_spectrum import Spectrum, ground_of
 from assessment.ntc.hazard import HazardCurve
-from assessment.ntc.spectrum import Spectrum
 from assessment.ntc.tables import farthest
 from assessment.ntc.verification import THRUSTING_A_G, Method, verify, vertical_component
 from assessment.project.project import Project

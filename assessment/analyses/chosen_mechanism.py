@@ -17,7 +17,7 @@ from assessment.analyses.found import as_part
 from assessment.analyses.paths import broken_tie
 from assessment.ntc.capacity_curve import capacity_curve, mass_share
 from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
-from assessment.ntc.spectrum import Spectrum
+from assessment.ntc.floor_spectrum import Spectrum
 from assessment.ntc.tables import CONFIDENCE_FACTOR
 from assessment.ntc.verification import Method, verify
 from assessment.project.masonry import Chosen, chosen_mechanisms

@@ -8,10 +8,10 @@ import numpy as np
 
 from assessment.analyses.found import as_part
 from assessment.ntc import floor_spectrum
-from assessment.ntc.floor_spectrum import ground_of
+from assessment.ntc.floor_spectrum import Spectrum, ground_of
 from assessment.ntc.hazard import HazardCurve, HazardError, return_period_steps, site_curve
 from assessment.ntc.indices import attained, heritage_and_risk_indices, required_zeta
-from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
+from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.ntc.tables import CONFIDENCE_FACTOR, ROCK, SURFACE, Trace, confidence_factor, return_period
 from assessment.ntc.verification import ACTIVATION_DAMPING, RULES
 from assessment.project.motions import BaseMotion

@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 
 from assessment.analyses.fragility import RecordLevel, over_records
-from assessment.ntc.spectrum import Spectrum
+from assessment.ntc.floor_spectrum import Spectrum
 from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
 from assessment.project.schema.motions import GENERATED_STEP, CampaignTable

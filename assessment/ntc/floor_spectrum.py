@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assessment.ntc.hazard import RETURN_PERIODS, HazardCurve
-from assessment.ntc.spectrum import ElasticSpectrum, Spectrum
+from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.ntc.tables import Trace, step
 from assessment.results.schema.model import Line
 from mechanics.errors import is_between, require
@@ -202,6 +202,8 @@ class FloorSpectrum:
         ]  # fmt: skip
 
 
+Spectrum = ElasticSpectrum | RecordSpectrum | FloorSpectrum
+"""What a check takes as the demand."""
 Demand = Callable[[Spectrum], float]
 _LOW, *_, _HIGH = RETURN_PERIODS.tolist()
 

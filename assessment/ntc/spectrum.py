@@ -1,9 +1,13 @@
-"""Elastic response spectra: of NTC 2018 (§3.2.3.2) and of a recorded ground motion, with one interface."""
+"""Elastic response spectra: of NTC 2018 (§3.2.3.2) and of a recorded ground motion, with one interface.
+
+`ag` in g, to which every ordinate is proportional when the shape is kept; `S` between a_g and the acceleration at the
+surface; S_e in g and S_De in m over periods (s) of any shape.
+"""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import sqrt
-from typing import Protocol, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,36 +32,6 @@ _TOPOGRAPHY = {"T1": 1.0, "T2": 1.2, "T3": 1.2, "T4": 1.4}  # Tab. 3.2.V
 _LONG_PERIOD = {"A": 4.5, "B": 5.0, "C": 6.0, "D": 6.0, "E": 6.0}  # T_E, s, Tab. 3.2.VII [k]
 _FRACTION = "a fraction of critical: 0.05 for 5 %"
 _T_F = 10.0  # s, Tab. 3.2.VII [k]
-
-
-class Spectrum(Protocol):
-    """What the capacity method asks of a spectrum: a_g (g), S, S_e (g) and S_De (m) at any period."""
-
-    @property
-    def ag(self) -> float:
-        """Reference acceleration, g; every ordinate is proportional to it when the shape is kept."""
-
-    @property
-    def S(self) -> float:
-        """Soil and topography factor between a_g and the acceleration at the surface."""
-
-    def acceleration(self, T: ArrayLike) -> Array:
-        """Return S_e(T), g, for periods T (s) of any shape."""
-
-    def displacement(self, T: ArrayLike) -> Array:
-        """Return S_De(T), m, for periods T (s) of any shape."""
-
-    def largest_displacement(self, T_0: float, T: float) -> tuple[float, float]:
-        """Return max S_De over [T_0, T] (m) and the period (s) where it is."""
-
-    def with_damping(self, damping: float) -> Self:
-        """Return the same spectrum at another damping (fraction of critical)."""
-
-    def steps(self, T: float) -> Trace:
-        """Return the calculation of S_e(T) and, as the last step, S_De(T) by hand."""
-
-    def demand_steps(self, T_0: float, T: float) -> Trace:
-        """Return the calculation of largest_displacement(T_0, T), its last step."""
 
 
 @dataclass(frozen=True)
@@ -288,7 +262,7 @@ class RecordSpectrum:
         return S_e.reshape(T.shape)[()], S_De.reshape(T.shape)[()]
 
 
-def largest_at(spectrum: Spectrum, periods: Array) -> tuple[float, float]:
+def largest_at(spectrum: ElasticSpectrum | RecordSpectrum, periods: Array) -> tuple[float, float]:
     """Return the largest S_De at the periods (k,) s, in m, and the first period that has it, s."""
     ordinates = spectrum.displacement(periods)
     k = int(np.argmax(ordinates))

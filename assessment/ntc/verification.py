@@ -13,9 +13,9 @@ import numpy as np
 
 from assessment.ntc.capacity_curve import CapacityCurve
 from assessment.ntc.curve_fit import CapacityError
-from assessment.ntc.floor_spectrum import Demand, spectrum_at_return_period
+from assessment.ntc.floor_spectrum import Demand, Spectrum, spectrum_at_return_period
 from assessment.ntc.hazard import HazardCurve, capacity_return_period, stated
-from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum, Spectrum
+from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.ntc.tables import EXCEEDANCE, INDEX, INDEXED, ROCK, SURFACE, Trace, datum, step
 from assessment.results.schema import Check, CheckMethod, Line, VerticalCheck, finite
 from mechanics.errors import is_between, require

@@ -9,9 +9,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from assessment.ntc.floor_spectrum import ground_of
+from assessment.ntc.floor_spectrum import Spectrum, ground_of
 from assessment.ntc.hazard import Hazard, hazard_range
-from assessment.ntc.spectrum import Spectrum
 from assessment.ntc.tables import return_period
 from assessment.project.project import Project
 from assessment.project.schema import LayerTable, MaterialTable, SettlementTable, TieTable

@@ -11,7 +11,7 @@ from assessment.report.figures.style import COLOURS, DASHES, OVER_LINES, chart, 
 from assessment.report.language import Words, direction_name, label, scale
 from assessment.report.tables.mechanisms import alpha_at_d_0, elastic_capacity
 from assessment.report.tables.studies import ROUNDING, bars
-from assessment.results.schema import Check, Direction, Pushovers, Results, known, present
+from assessment.results.schema import Capacity, Check, Direction, Pushovers, Results, known, present
 from assessment.results.table import compared, reference_of, sense
 from mechanics.pictures import MARKS
 from mechanics.types import GRAVITY
@@ -118,7 +118,6 @@ def _key_points(axes: Axes, pushover: Pushovers, colour: str) -> None:
 
 
 LONGEST = 4.0  # s: what is drawn of the spectra
-SCALES_APART = 1.8  # panels whose axes would differ by a larger factor have axes of their own
 ELASTIC: dict[str, Any] = {"color": "0.5", "linewidth": 1.4}
 PERIODS = (0.5, 1.0, 2.0, 3.0)  # s: of the grey lines
 
@@ -132,10 +131,10 @@ def draw_spectra(results: Results, words: Words, views: Views, limit: str) -> Fi
     mm, demand = scale("d_star_m"), "outside"
     figure, panels = chart(words, len(views), height_mm=60.0)
     spectrum = (results.spectra or {}).get(limit)
-    frames = _frames(results, views, limit)
-    for axes, (name, direction), (reach, top) in zip(panels, views, frames, strict=True):
+    for axes, (name, direction) in zip(panels, views, strict=True):
         capacity = results.states[name].capacity[direction]
         point = capacity.checks[limit]
+        reach, top = _frame(capacity, point)
         axes.set(xlim=(0.0, mm * reach), ylim=(0.0, top), title=words.at(name, direction))
         axes.set(xlabel=label("d_star_m", words), ylabel=label("a_star_g", words))
         _periods(axes, words, reach, top)
@@ -164,11 +163,6 @@ def draw_spectra(results: Results, words: Words, views: Views, limit: str) -> Fi
     return figure
 
 
-def one_scale(results: Results, views: Views, limit: str) -> bool:
-    """Return whether the panels have the same axes: none of them would be squeezed into a corner."""
-    return len(set(_frames(results, views, limit))) == 1
-
-
 def draw_demand(results: Results, words: Words) -> Figure:
     """Draw S_e (g) and S_De (mm) of each limit state over the period, 5 % damping."""
     figure, panels = chart(words, 2, height_mm=48.0)
@@ -184,21 +178,14 @@ def draw_demand(results: Results, words: Words) -> Figure:
     return figure
 
 
-def _frames(results: Results, views: Views, limit: str) -> list[tuple[float, float]]:
-    """Return the ends of both axes, m and g, of each panel: those of the largest if they differ little."""
-    reaches, tops = [], []
-    for name, direction in views:
-        curve, point = (capacity := results.states[name].capacity[direction]).curve, capacity.checks[limit]
-        reach, secant = max([*curve.d_star_m, point.d_star_m or 0.0]), 0.0
-        if point.d_star_m and point.a_g_g and point.demand_a_g_g:  # beyond twice the capacity off the sheet
-            reach = max(reach, point.d_star_m * min(2.0, point.demand_a_g_g / point.a_g_g))
-        if point.d_star_m and point.T_s:
-            secant = _secant(point.d_star_m, point.T_s)
-        reaches.append(1.25 * reach)
-        tops.append(max(3.0 * max(curve.a_star_g), 1.8 * secant))
-    if all(max(each) <= SCALES_APART * min(each) for each in (reaches, tops)):
-        return [(max(reaches), max(tops))] * len(views)
-    return list(zip(reaches, tops, strict=True))
+def _frame(capacity: Capacity, point: Check) -> tuple[float, float]:
+    """Return the ends of both axes, m and g, of a panel."""
+    curve, reach, secant = capacity.curve, max([*capacity.curve.d_star_m, point.d_star_m or 0.0]), 0.0
+    if point.d_star_m and point.a_g_g and point.demand_a_g_g:  # beyond twice the capacity off the sheet
+        reach = max(reach, point.d_star_m * min(2.0, point.demand_a_g_g / point.a_g_g))
+    if point.d_star_m and point.T_s:
+        secant = _secant(point.d_star_m, point.T_s)
+    return 1.25 * reach, max(3.0 * max(curve.a_star_g), 1.8 * secant)
 
 
 def _secant(displacement: float, period: float) -> float:

@@ -80,14 +80,8 @@ def draw_model(results: Results, words: Words) -> Figure:
         draw_ties(page, axes, [ends])
         axes.annotate(tie.name, ends.mean(axis=0), (0.0, 3.0), ha="center", va="bottom", **ON_WHITE)
     handles += [key(words.plain("figure.tie"), **TIE)] if results.model.ties else []
-    _dimensions(page, axes, shape.bounds, words)
-    page.legend(handles, words)
-    return page.figure
-
-
-def _dimensions(page: Panels, axes: Axes, bounds: Bounds, words: Words) -> None:
-    """Draw the width below and the height beside the model."""
-    x0, z0, x1, z1 = bounds
+    # the width below and the height beside the model
+    x0, z0, x1, z1 = shape.bounds
     low, left = z0 - page.paper(7.0), x0 - page.paper(7.0)
     for start, end, turn in (((x0, low), (x1, low), 0), ((left, z0), (left, z1), 90)):
         axes.annotate("", end, start, arrowprops=DIMENSION)
@@ -96,6 +90,8 @@ def _dimensions(page: Panels, axes: Axes, bounds: Bounds, words: Words) -> None:
         axes.annotate(
             text, np.mean([start, end], axis=0), rotation=turn, ha="center", va="center", bbox=WHITE
         )
+    page.legend(handles, words)
+    return page.figure
 
 
 RED = "#c00000"

@@ -122,9 +122,8 @@ def pictures(results: Results) -> list[Picture]:
         found = {(name, way): each for name, way, each in capacities(results)}
         able = [view for view, each in found.items() if each.curve.d_star_m and limit in each.checks]
         for name, views in _portions(f"spectra_{limit}", able):
-            caption = "spectra" if curves.one_scale(results, views, limit) else "spectra_own"
-            full = limit == "SLC"
-            show(name, "checks", curves.draw_spectra, views, limit, caption=caption, full=full, limit=limit)
+            told = partial(show, caption="spectra", full=limit == "SLC", limit=limit)
+            told(name, "checks", curves.draw_spectra, views, limit)
     # studies
     if results.scenarios:
         show("scenarios", "scenarios", draw_scenarios, caption="scenarios_curves")
