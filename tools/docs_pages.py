@@ -126,10 +126,9 @@ def _project_sections(path: schema.KeyPath, told: set[type[BaseModel]]) -> Itera
             )
             lines.append(f"| `{key}` | {default} | {(field.description or '').replace('|', chr(92) + '|')} |")
     yield "\n".join([*lines, ""])
-    ends: dict[str, schema.KeyPath] = {"single": (), "list": (0,), "named": ("NAME",)}
-    for key, form in inner.items():
-        if schema.table_at((*path, key)) not in told:
-            yield from _project_sections((*path, key, *ends[form]), told)
+    for entry in schema.entries_of(table):
+        if schema.table_at((*path, *entry)) not in told:
+            yield from _project_sections((*path, *entry), told)
 
 
 PARTS: dict[str, Callable[[], str]] = {

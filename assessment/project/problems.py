@@ -13,7 +13,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from assessment.project.schema import GENERATED, ProjectContent, keys_at, tables_of
+from assessment.project.schema import GENERATED, ProjectContent, entries_of, keys_at, tables_of
 from assessment.project.schema import values as kinds
 from assessment.runtime.errors import ProjectError, alike, nearest, shortened
 from assessment.runtime.files import SUFFIXES, read_picture
@@ -63,9 +63,7 @@ def _homes(path: kinds.KeyPath) -> list[str]:
     """Return the tables that have a key that does not exist in its own; none where the unit of one here is left out."""
     if any(each.startswith(f"{path[-1]}_") for each in keys_at(path[:-1])):
         return []
-    inside: dict[str, kinds.KeyPath] = {"list": (0,), "named": ("",), "single": ()}
-    tables = tables_of(ProjectContent).items()
-    return [f"[{name}]" for name, form in tables if path[-1] in keys_at((name, *inside[form]))]
+    return [f"[{entry[0]}]" for entry in entries_of(ProjectContent) if path[-1] in keys_at(entry)]
 
 
 def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[kinds.Problem]:

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from assessment.project.schema import KeyPath, ProjectTable, keys_at, table_at, tables_of
+from assessment.project.schema import KeyPath, ProjectTable, entries_of, keys_at, table_at, tables_of
 from assessment.runtime.errors import ProjectError, shortened
 
 _PLACE = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
@@ -62,7 +62,7 @@ def commented_toml(content: Mapping[str, Any], marked: Collection[KeyPath] = ())
         if table and table not in explained:
             explained.add(table)
             lines += _left_out(path, given)
-            absent = [(*path, *entry) for entry in _entries(table) if not given.get(str(entry[0]))] + absent
+            absent = [(*path, *entry) for entry in entries_of(table) if not given.get(str(entry[0]))] + absent
     for path in absent:
         lines += _table_left_out(path)
     return "\n".join(lines).strip() + "\n"
@@ -91,14 +91,8 @@ def _table_left_out(path: KeyPath) -> Iterator[str]:
     yield from _header(path, mark="# ")
     yield from _left_out(path, {})
     table = table_at(path)
-    for entry in _entries(table) if table else ():
+    for entry in entries_of(table) if table else ():
         yield from _table_left_out((*path, *entry))
-
-
-def _entries(table: type[ProjectTable]) -> list[KeyPath]:
-    """Return the tables in a table, as the path of their first entry where there are several."""
-    ends: dict[str, KeyPath] = {"single": (), "list": (0,), "named": ("NAME",)}
-    return [(name, *ends[form]) for name, form in tables_of(table).items()]
 
 
 def _beside(line: str, meaning: str | None) -> str:
@@ -130,9 +124,7 @@ def toml_header(path: KeyPath) -> list[str]:
 
 def toml_line(key: str, value: Any) -> str:
     """Return a key with its value."""
-    import tomlkit
-
-    return f"{_key(key)} = {tomlkit.item(value).as_string()}"
+    return f"{_key(key)} = {inline(value)}"
 
 
 def inline(value: Any) -> str:

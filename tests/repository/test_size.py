@@ -16,7 +16,7 @@ LINES = {
     "assessment/benchmark": 1016,
     "assessment/cli": 626,
     "assessment/ntc": 1989,
-    "assessment/project": 4475,
+    "assessment/project": 4470,
     "assessment/report": 5643,
     "assessment/results": 3083,
     "assessment/runtime": 1359,

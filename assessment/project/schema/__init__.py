@@ -241,6 +241,12 @@ def tables_of(table: type[ProjectTable]) -> dict[str, Form]:
     return found
 
 
+def entries_of(table: type[ProjectTable]) -> list[KeyPath]:
+    """Return the tables in a table by their paths below it, of several that of the first entry."""
+    ends: dict[Form, KeyPath] = {"single": (), "list": (0,), "named": ("NAME",)}
+    return [(name, *ends[form]) for name, form in tables_of(table).items()]
+
+
 def _table_of(annotation: Any) -> type[ProjectTable] | None:
     for plain in alternatives(annotation):
         if isinstance(plain, type) and issubclass(plain, ProjectTable):

@@ -15,7 +15,7 @@ from assessment.project.catalogue.new_project import TEMPLATES, new_project
 from assessment.project.model import build_model
 from assessment.project.problems import matches
 from assessment.project.project import json_schema, load_project
-from assessment.project.schema import ProjectContent, keys_at, table_at, tables_of
+from assessment.project.schema import ProjectContent, entries_of, keys_at, table_at, tables_of
 from assessment.results.summary import printed
 from assessment.runtime.errors import ProjectError
 from assessment.workflow.stages import run
@@ -179,9 +179,8 @@ def test_without_one_they_are_not_printed_and_no_index_rests_on_them(tmp_path, p
 def tables(path=()):
     """Every table of the schema as its path in a content, entries of lists numbered 0."""
     yield path
-    for name, form in tables_of(table_at(path)).items():
-        inner = {"single": (), "list": (0,), "named": ("NAME",)}[form]
-        yield from tables((*path, name, *inner))
+    for entry in entries_of(table_at(path)):
+        yield from tables((*path, *entry))
 
 
 def made(folder: Path, *options: str) -> Path:
