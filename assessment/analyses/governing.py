@@ -17,7 +17,7 @@ from assessment.analyses.capacity import Assessed, refused, towards
 from assessment.analyses.found import Found, in_increments
 from assessment.analyses.states import Request, StateResult, analyse_states, curves
 from assessment.results.schema import StateResults
-from assessment.results.schema.checks import Direction
+from assessment.results.schema.checks import Check, Direction
 from assessment.results.schema.part import Part, known
 from assessment.results.schema.static import Behaviour, ElasticPush, Pushovers, RigidPush
 from assessment.results.table import cells, indices
@@ -193,7 +193,7 @@ def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess
         if value is not None:
             others = [each.value.capacity.checks for each in checked if each.value]
             ranged = {
-                check: _ranged(part, CHECKED, [each[check] for each in others if check in each], len(runs))
+                check: _decided(_ranged(part, CHECKED, [x[check] for x in others if check in x], len(runs)))
                 for check, part in value.capacity.checks.items()
             }
             capacity[direction] = value.capacity.with_checks(ranged)
@@ -258,6 +258,12 @@ def _ranged(part: Ranged, names: Sequence[str], runs: Sequence[Part], count: int
             low = max(0.0, min(known) - more) if len(runs) == count else 0.0
             ranges[f"{name}_range"] = [low, above]
     return part.replace(**ranges)
+
+
+def _decided(check: Check) -> Check:
+    """Return a check that is verified only where the whole of its range is."""
+    low = check.zeta_E_range[0] if check.zeta_E_range else None
+    return check.replace(verified=None) if check.verified and low is not None and low < 1.0 else check
 
 
 def _refusals(checked: Sequence[Found[Assessed]], runs: int) -> Iterator[Message]:

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterable
+from math import inf
 from typing import Any
 
 from assessment.ntc.tables import INDEXED, SURFACE, farthest
@@ -135,20 +136,23 @@ def _row(
         return (of.capacity.get(direction), of.pushover.get(direction)) if of and direction else (None, None)
 
     state, original = states[name], states.get(ORIGINAL) if name != ORIGINAL else None
-    (capacity, pushed), (was, before) = there(state), there(original)
+    (capacity, pushed), (_, before) = there(state), there(original)
     checks = {limit: _counting(capacity, limit) for limit in limits}
 
-    def change(capacity: Capacity | None, limit: str) -> float | None:
-        before, after = _counting(capacity, limit), checks[limit]
+    def change(of: schema.StateResults, limit: str) -> tuple[float | None, bool | None]:
+        before, after = _counting(there(of)[0], limit), checks[limit]
         alike = before.check == after.check or limit not in INDEXED  # else one is linear, one is not
-        return reduction(before.zeta_E, after.zeta_E) if alike else None
+        lost = reduction(before.zeta_E, after.zeta_E) if alike else None
+        return lost, None if lost is None else apart(before, after)
 
-    for limit, check in checks.items() if original else ():
-        checks[limit] = check.replace(loss=change(was, limit))
-    if (made := state.strengthening) is not None and made.of in states:
-        for limit, check in checks.items():
-            fallen = change(there(states[made.of])[0], limit)
-            checks[limit] = check.replace(gain=None if fallen is None else -fallen)
+    made = state.strengthening
+    for limit, check in checks.items():
+        if original:
+            lost, distinct = change(original, limit)
+            checks[limit] = check.replace(loss=lost, distinguishable=distinct)
+        if made is not None and made.of in states:
+            fallen, _ = change(states[made.of], limit)
+            checks[limit] = checks[limit].replace(gain=None if fallen is None else -fallen)
     ratios = {limit: ratio for limit, check in checks.items() if (ratio := check.zeta_E) is not None}
     indexed = [limit for limit in INDEXED if limit in checks] or list(checks)
     row: dict[str, Any] = {"state": name, "direction": direction, "checks": checks}
@@ -181,6 +185,12 @@ def _row(
             lost = reduction(original.incremental.pga_collapse_g, dynamic)
             row["dynamic_loss"] = loss.dynamic if loss else lost
     return schema.SummaryRow(**row)
+
+
+def apart(one: schema.SummaryCheck, other: schema.SummaryCheck) -> bool:
+    """Return whether the ranges of two indices do not overlap; one that does not scatter is its own range."""
+    (low, high), (least, most) = (each.zeta_E_range or [each.zeta_E] * 2 for each in (one, other))
+    return (high or inf) < (least or 0.0) or (most or inf) < (low or 0.0)
 
 
 def _mechanism(found: Mechanism) -> schema.SummaryMechanism:

@@ -24,9 +24,9 @@ RESOLVED = 0.95  # ratio of multipliers that are not told apart
 
 
 def stands(
-    model: Assembly, direction: Direction, contacts: Behaviour, sliding: Sliding, state: State, alpha: float
+    model: Assembly, contacts: Behaviour, sliding: Sliding, state: State, acceleration: float = 0.0
 ) -> bool:
-    """Whether a structure at rest in a state stands under a multiplier `alpha` that grows from zero and stays.
+    """Whether a structure released in a state stands, under a base `acceleration` (g) that grows from zero and stays.
 
     What still moves in the end stands if no corner is farther than a block's size from where it was: it rocks, it does
     not slide. A motion that is not solved counts as a fall. Rigid joints do not crush here. Raises ArgumentError as
@@ -34,14 +34,13 @@ def stands(
     """
     model = model.uncrushed if contacts == "rigid" else model
     step = STEP * np.sqrt(np.ptp(model.initial.positions[:, :2], axis=0).max() / GRAVITY)
-    # the base is accelerated against the push
-    held = -alpha if direction == "+x" else alpha
-    grows, stays = np.linspace(0.0, held, round(GROWS / STEP) + 1), np.full(round(HOLDS / STEP) + 1, held)
+    grows = np.linspace(0.0, acceleration, round(GROWS / STEP) + 1)
+    stays = np.full(round(HOLDS / STEP) + 1, acceleration)
     damping = DAMPED if contacts == "elastic" and first_frequency(model) else 0.0
     begun = state.positions
-    for load in (grows, *HOLDS * (stays,)):
+    for load in (*((grows,) if acceleration else ()), *HOLDS * (stays,)):
         try:
-            with stretch(1.0, 1.0):  # the curve is there
+            with stretch(1.0, 1.0):  # the path is there
                 motion = time_history(
                     model, load, step, contacts, state, damping_ratio=damping, sliding=sliding
                 )
@@ -69,12 +68,13 @@ def borne(
     low = float(alpha[: int(np.argmax(left)) if left.any() else len(alpha)].max())
     if alpha.max() <= low + flat:
         return np.inf
+    sign = -1.0 if direction == "+x" else 1.0  # the base is accelerated against the push
     high = RESOLVED * float(alpha.max())
-    if high <= low or stands(model, direction, contacts, sliding, state, high):
+    if high <= low or stands(model, contacts, sliding, state, sign * high):
         return np.inf
     while low < RESOLVED * high and high > flat:
         middle = max(float(np.sqrt(low * high)), 0.2 * high)
-        if stands(model, direction, contacts, sliding, state, middle):
+        if stands(model, contacts, sliding, state, sign * middle):
             low = middle
         else:
             high = middle

@@ -10,7 +10,7 @@ import numpy as np
 from mechanics.errors import ArgumentError, ConvergenceError, NoEquilibriumError, UnstableError
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Direction, State
-from mechanics.procedures.limit_analysis import Limit, flowing_iterate, limit_analysis
+from mechanics.procedures.limit_analysis import Limit, flowing_iterate, limit_analysis, limit_in
 from mechanics.program import Solution
 from mechanics.steps.equilibrium import check_self_weight, rest, rest_size, unpressed
 from mechanics.steps.geometry_iteration import find_equilibrium
@@ -58,12 +58,12 @@ class PathStart:
 def mechanism_start(
     model: Assembly, direction: Direction, state: State | None, increment: float, sliding: Sliding
 ) -> PathStart:
-    """Return the onset of a rigid curve: the mechanism of limit analysis. Raises what limit_analysis raises.
+    """Return the onset of a rigid curve in a state that stands: the mechanism of limit analysis. Raises as limit_in.
 
     By Coulomb's law the least flow that is found in the state begins the curve, whatever forces a path has left there:
     these may press joints that nothing presses. `increment` (m): length of the curve's steps.
     """
-    limit = limit_analysis(model, direction, state, sliding)
+    limit = limit_in(model, direction, model.starting(state), sliding)
     rate = limit.mechanism / float((model.lateral_load(direction) * limit.mechanism).sum())
     return PathStart(onset(limit, increment), rate, 1.0 if state is None else START.settled, limit.alpha)
 

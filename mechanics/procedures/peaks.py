@@ -61,7 +61,7 @@ def behind_closing(lateral: Array, before: Equilibrium, end: Equilibrium, part: 
     def reached(share: float) -> Equilibrium | None:
         step = StepProblem(system, start, system.model.dead_load, share * size, lateral, share * work)
         try:
-            return reach(step, start.positions + share * moved, before, shortest=False)[0]
+            return reach(step, start.positions + share * moved, before, shortest=False).step
         except (NoEquilibriumError, ConvergenceError):
             return None
 

@@ -13,9 +13,11 @@ from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, Direction, State
 from mechanics.procedures.held_load import borne
 from mechanics.procedures.limit_analysis import Limit, limit_in
+from mechanics.procedures.model_check import departure, sound
 from mechanics.procedures.path_start import PathStart, elastic_start, mechanism_start, onset
 from mechanics.procedures.peaks import behind_closing, closes, may_peak
-from mechanics.procedures.step_control import PATH, reach
+from mechanics.procedures.step_control import PATH, Reached, reach
+from mechanics.steps.equilibrium import check_self_weight
 from mechanics.steps.rest import motion_to_rest
 from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.static_system import StaticSystem
@@ -85,6 +87,8 @@ class PushPath:
         self.tolerances = push.tolerances
         self.block = self.model.block_at(push.control)
         self.lateral = self.model.lateral_load(push.direction)
+        if system.rigid:
+            check_self_weight(self.model, self.model.starting(state))
         self.first = self._start(state)
         self.points, self.dropped = [PushPoint(self.first.step, 0.0)], list[tuple[float, float]]()
         # the next step is predicted from the displacements of blocks and control point per unit work in the last one
@@ -132,7 +136,7 @@ class PushPath:
         return [(one.displacement, two.displacement) for one, two in pairwise(self.points) if two.jumped]
 
     def _start(self, state: State | None) -> PathStart:
-        """Return the start of a curve from a state (None: as drawn)."""
+        """Return the start of a curve from a state that is known to stand (None: as drawn)."""
         start = mechanism_start if self.system.rigid else elastic_start
         return start(self.model, self.push.direction, state, self.push.increment, self.system.sliding)
 
@@ -187,7 +191,7 @@ class PushPath:
         """Add the next point, or the last one before α = 0; the errors are those of `advance`."""
         fastest = float(abs(self.rate[:, :2]).max())
         work = length / max(self.control_rate, fastest / self.tolerances.largest)
-        step, jumped = self._step(work, fastest, shortest)
+        step, released, jumped = self._step(work, fastest, shortest)
         if not (self.system.rigid or jumped):
             work, step = self._on_branch(work, fastest, step, shortest)
         if step.alpha > self.tolerances.wedged * max(self.first.limit, 1.0):
@@ -195,7 +199,7 @@ class PushPath:
             return
         if jumped and self._falls_back(step.state.positions):
             raise RunawayError(message("the structure falls back to where it has jumped before"))
-        if jumped and self.system.rigid and self._go_on_from(step):
+        if released and self.system.rigid and self._go_on_from(step, jumped):
             return  # rigid blocks rest under a range of multipliers: the curve takes the one that moves them again
         if step.alpha >= 0.0:
             self._append(work, step, jumped)
@@ -223,8 +227,8 @@ class PushPath:
         jumps = [(a.step.state.positions, b.step.state.positions) for a, b in steps if b.jumped]
         return any(far(before, positions) <= far(before, behind) for before, behind in jumps)
 
-    def _step(self, work: float, fastest: float, shortest: bool) -> tuple[Equilibrium, bool]:
-        """Return the equilibrium after `work` (kNm) of the lateral loads, and whether blocks jumped to it."""
+    def _step(self, work: float, fastest: float, shortest: bool) -> Reached:
+        """Return the equilibrium after `work` (kNm) of the lateral loads."""
         here, size = self.points[-1].step, work * fastest
         problem = StepProblem(here.system, here.state, self.model.dead_load, size, self.lateral, work)
         return reach(problem, here.state.positions + work * self.rate, here, shortest)
@@ -245,7 +249,7 @@ class PushPath:
             if part < PATH.shortest(work):
                 return work, step
             try:
-                found, _ = self._step(part, fastest, False)
+                found = self._step(part, fastest, False).step
             except (NoEquilibriumError, ConvergenceError):
                 return work, step
         return part, found
@@ -266,7 +270,7 @@ class PushPath:
         while high[0] - low[0] >= least:
             chord = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1])
             try:
-                step, jumped = self._step(chord, fastest, shortest)
+                step, _, jumped = self._step(chord, fastest, shortest)
             except (NoEquilibriumError, ConvergenceError):
                 if not shortest:  # what lies beyond may be another branch: this one is followed to its end
                     raise
@@ -319,15 +323,19 @@ class PushPath:
             return None
         return rested if self.along(rested.state.positions) > farthest_back else None
 
-    def _go_on_from(self, held: Equilibrium) -> bool:
-        """Add the onset of a new push where the structure rests again; return False if no push moves it there."""
+    def _go_on_from(self, held: Equilibrium, jumped: bool = True) -> bool:
+        """Add the onset of a new push where blocks that were released rest; return False if no push moves them there.
+
+        `jumped`: whether they jumped there.
+        """
         try:
             start = self._start(held.state)
+            sound(start.step)
         except (UnstableError, NoEquilibriumError, ConvergenceError):
             return False
         if start.step.alpha < 0.0:  # it stands only where a push holds it back
             return False
-        self._append(1.0, replace(start.step, solves=held.solves), jumped=True)
+        self._append(1.0, replace(start.step, solves=held.solves), jumped)
         self.rate = start.rate
         self.control_rate = self._control_rate()
         return True
@@ -407,8 +415,9 @@ class PushPath:
     def _flow(self, point: int) -> PushPoint | None:
         """Return a point if its flow is that of limit analysis in its state, else the point with that flow.
 
-        None if that lifts what slides, or joints that crush have none. A slide leaves forces open: the path may balance
-        more than any flow of its state. Joints that crush bear no more than joints that do not.
+        None if that lifts what slides or presses across a gap, or joints that crush have none. A slide leaves forces
+        open: the path may balance more than any flow of its state. Joints that crush bear no more than joints that do
+        not.
         """
         own, closed = self.points[point], LIMIT.closed * self.model.size
         if own.least or (self.model.crushes and own.step.penetration > closed):
@@ -420,8 +429,11 @@ class PushPath:
             return None
         if own.step.alpha <= (1.0 + self.tolerances.flat) * bound.alpha:
             return own
-        least = self.limit_at(point, self.model)
-        return None if least is None else replace(own, step=onset(least, self.push.increment), least=True)
+        if (least := self.limit_at(point, self.model)) is None:
+            return None
+        flow = onset(least, self.push.increment)
+        flow = replace(flow, lifting=flow.lifting or own.step.lifting)
+        return None if departure(flow) else replace(own, step=flow, least=True)
 
     def limit_at(self, point: int, model: Assembly) -> Limit | None:
         """Return the limit of rigid joints in the state of a point; None where the load meets no mechanism there.

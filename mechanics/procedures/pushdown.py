@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -22,8 +22,9 @@ from mechanics.errors import (
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.pictures import film, magnification
+from mechanics.procedures.held_load import stands
 from mechanics.procedures.model_check import check_path, sound
-from mechanics.procedures.step_control import Bisection, follow, reach
+from mechanics.procedures.step_control import Bisection, Reached, follow, reach
 from mechanics.program import Certificate
 from mechanics.solvers import USABLE
 from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size
@@ -253,18 +254,30 @@ class Led:
         self.last = rest(system, begun)
         self.rate = np.zeros_like(begun.positions)
 
-    def reach(self, guess: Array, by: float, shortest: bool) -> tuple[Equilibrium, bool]:
-        """Return the equilibrium near a `guess` (b, 3), `by` (m) on, and whether blocks jump to it."""
+    def reach(self, guess: Array, by: float, shortest: bool) -> Reached:
+        """Return the equilibrium near a `guess` (b, 3), `by` (m) on."""
         here, system = self.last.state, self.last.system
         problem = StepProblem(system, here, system.model.dead_load, max(by, self.smallest))
         # the forces at rest do not show which hinges will open: the first step has a cold start
         return reach(problem, guess, self.last if self.rate.any() else None, shortest)
 
     def step(self, guess: Array, by: float, lever: float, shortest: bool) -> bool:
-        """Take a step of the supports, `by` (m) times a lever; return whether the blocks have jumped."""
-        before = self.last.state.positions
-        self.last, jumped = self.reach(guess, lever * by, shortest)
-        self.rate = 0.0 * before if jumped else (self.last.state.positions - before) / by
+        """Take a step of the supports, `by` (m) times a lever; return whether the blocks have jumped.
+
+        They jump where a motion with inertia comes to rest too. Raises RunawayError where it does not, else as `reach`.
+        """
+        before, system = self.last.state, self.last.system
+        found, _, jumped = self.reach(guess, lever * by, shortest)
+        if jumped:
+            at = np.where(system.model.movable[:, None], before.positions, guess)
+            moving = np.where(system.model.movable[:, None], np.finfo(float).tiny, 0.0) + np.zeros_like(at)
+            released = replace(before, positions=at, velocities=moving, carrying=None)
+            if not stands(system.model, system.behaviour, system.sliding, released):
+                raise RunawayError(
+                    message("the structure falls: a part moves by itself, and is not held again")
+                )
+        self.last = found
+        self.rate = 0.0 * at if jumped else (found.state.positions - before.positions) / by
         return jumped
 
 
@@ -290,7 +303,7 @@ class _Path:
         if moving.system.rigid:
             onset = LIMIT.onset * min(increment, self.model.size)
             guess = moving.moved(begun.state.positions, onset)
-            begun, _ = self.led.reach(guess, moving.lever * onset, True)
+            begun = self.led.reach(guess, moving.lever * onset, True).step
         self.reactions = [reaction(begun, self.index)[:2]]
         self.certificates = [self.led.last.certificate, begun.certificate]
         self.crossed: list[tuple[float, float]] = []

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -84,6 +84,14 @@ class Bisection:
         return None
 
 
+class Reached(NamedTuple):
+    """The equilibrium of a `step`: whether blocks were `released` to find it, and whether they `jumped` to it."""
+
+    step: Equilibrium
+    released: bool = False
+    jumped: bool = False
+
+
 class Path(Protocol):
     """A path as far as it has been followed; `end`: why it ends, None while it goes on."""
 
@@ -113,10 +121,8 @@ def follow(path: Path, steps: Bisection) -> None:
         tell(path.share)
 
 
-def reach(
-    problem: StepProblem, guess: Array, last: Equilibrium | None, shortest: bool
-) -> tuple[Equilibrium, bool]:
-    """Return the equilibrium of a step, and whether the blocks had to be released and jumped to it.
+def reach(problem: StepProblem, guess: Array, last: Equilibrium | None, shortest: bool) -> Reached:
+    """Return the equilibrium of a step.
 
     A failed step is not yet a collapse. If no equilibrium is found near the `guess` (b, 3), a step of rigid joints is
     divided into short ones. A step that still fails is to be halved; at the `shortest` the blocks are released, and
@@ -126,48 +132,49 @@ def reach(
     """
     problem = replace(problem, system=problem.system.around(problem.start.positions, problem.size))
     while True:
-        found, jumped = _reach(problem, guess, last, shortest)
-        system = problem.system.around(found.state.positions, 0.0)
-        if system is problem.system or not system.met_inside(problem.system, found.state.positions):
-            return found, jumped
+        found = _reach(problem, guess, last, shortest)
+        at = found.step.state.positions
+        system = problem.system.around(at, 0.0)
+        if system is problem.system or not system.met_inside(problem.system, at):
+            return found
         problem = replace(problem, system=system)
 
 
-def _reach(
-    problem: StepProblem, guess: Array, last: Equilibrium | None, shortest: bool
-) -> tuple[Equilibrium, bool]:
+def _reach(problem: StepProblem, guess: Array, last: Equilibrium | None, shortest: bool) -> Reached:
     rigid = problem.system.rigid
     flow, higher = last if last is not None and flows(problem, last) else None, None
     try:
         found = sound(find_equilibrium(problem, guess, last))
         if flow is None or found.alpha <= flow.alpha * (1.0 + PATH.rise):
-            return found, False
+            return Reached(found)
         higher = found  # another flow: that of the last step goes on if it can, and its end is located
     except (NoEquilibriumError, ConvergenceError) as error:
         stop: NoEquilibriumError | ConvergenceError = error
     if flow is not None:
         try:
-            return sound(along_flow(problem, guess, flow)), False
+            return Reached(sound(along_flow(problem, guess, flow)))
         except (NoEquilibriumError, ConvergenceError) as error:
             stop = error
         if not shortest:
             raise stop
         if higher is not None:
-            return higher, False
+            return Reached(higher)
     unsettled = isinstance(stop, UnsettledError)
     if rigid:
         try:
             found = sound(in_short_steps(problem, guess, last))
             if unsettled or slides(found, problem.size):  # what only turns is followed exactly or not at all
-                return found, False
+                return Reached(found)
         except (NoEquilibriumError, ConvergenceError) as error:
             error.__cause__ = stop
             stop = error
     if not shortest:
         raise stop
-    if rigid and problem.system.dilation < 1.0:
+    # without a push what falls by Coulomb's law is not held by one that lifts what slides
+    falls = any(isinstance(each, NoEquilibriumError) for each in (stop, stop.__cause__))
+    if rigid and problem.system.dilation < 1.0 and not (falls and problem.lateral is None):
         with suppress(NoEquilibriumError, ConvergenceError):  # by the associative law: its lift is small here
-            return sound(find_equilibrium(replace(problem, lifts=True), guess, last)), False
+            return Reached(sound(find_equilibrium(replace(problem, lifts=True), guess, last)))
     begun = np.where(problem.system.model.movable[:, None], problem.start.positions, guess)
     try:
         rested = sound(motion_to_rest(problem, begun))
@@ -177,4 +184,4 @@ def _reach(
             fall.message if same else message("{reason} ({stop})", reason=fall.message, stop=stop.message)
         ) from stop
     jumped = way(begun, rested.state.positions, problem.system.model.size) > REST.jump * problem.size
-    return rested, jumped
+    return Reached(rested, released=True, jumped=jumped)

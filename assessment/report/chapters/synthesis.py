@@ -13,6 +13,7 @@ from assessment.report.tables.structure import bounded, edge_pressures
 from assessment.results.hand_check import governing_view, rigid_push
 from assessment.results.schema import Results, SummaryCheck, SummaryRow, known
 from assessment.results.summary import (
+    apart,
     coulomb,
     index_limit,
     index_of,
@@ -88,7 +89,8 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
     drawn = {each.direction: index_of(each, limit) for each in rows_of(results, ORIGINAL)}
     if loss is not None and value is not None and loss < 1.0:
         before = written(quantity, value / (1.0 - loss), words)
-        change = words(f"synthesis.{'loss' if loss >= 0.0 else 'gain'}", share=abs(loss))
+        kind = "indistinct" if check and not check.distinguishable else "loss" if loss >= 0.0 else "gain"
+        change = words(f"synthesis.{kind}", share=abs(loss))
         said += words("synthesis.before", before=before, change=change)
     elif check and (was := drawn.get(row.direction)):
         said += words("synthesis.before_by", before=was.zeta_E, kind=_kind(was, words))
@@ -106,8 +108,11 @@ def _outcome(results: Results, name: str, words: Words) -> str:
     failing = [x for x in INDEXED if any(each[x].verified is False for each in checks if x in each)]
     if failing and index_limit(results) not in failing:
         return words.plain("synthesis.not_verified_at", limits=", ".join(failing))
-    kind = "not_verified" if False in verified else "undetermined" if None in verified else "verified"
-    return words.plain(f"synthesis.{kind}")
+    open_ = [each for row in checks for each in row.values() if each.verified is None and each.zeta_E_range]
+    low = min((known(each.zeta_E_range)[0] or 0.0 for each in open_), default=None)
+    undecided = "undetermined" if low is None else "undecided" if low else "not_all_runs"
+    kind = "not_verified" if False in verified else undecided if None in verified else "verified"
+    return words.plain(f"synthesis.{kind}", low=low)
 
 
 def _strengthened(results: Results, name: str, words: Words) -> Markup:
@@ -132,8 +137,10 @@ def _strengthened(results: Results, name: str, words: Words) -> Markup:
     if least is not row:
         ratio = known(index_of(least, limit)).zeta_E
         said["least"] = words("synthesis.strengthened_least", least=ratio, where=where(least))
-    key = "strengthened" if check.gain is not None else "strengthened_by"
-    return words(f"synthesis.{key}", **said, **numbers, **kinds)
+    kind = (
+        "" if check.gain is not None and apart(was, check) else "_same" if check.gain is not None else "_by"
+    )
+    return words(f"synthesis.strengthened{kind}", **said, **numbers, **kinds)
 
 
 def synthesis_grid(results: Results, words: Words) -> Grid | None:
@@ -156,7 +163,9 @@ def synthesis_grid(results: Results, words: Words) -> Grid | None:
         if changed:
             loss = row.checks[first].loss if first else None
             none = dash if row.state == ORIGINAL else words("value.open")
-            yield none if loss is None else written("reduction", -loss, words)
+            same = loss is not None and not row.checks[known(first)].distinguishable
+            told = words("value.indistinct") if same else written("reduction", -(loss or 0.0), words)
+            yield none if loss is None else told
         asked = {"static_pga_g": bool(row.checks), "d_0_m": row.alpha_0 is not None}
         asked["dynamic_pga_g"] = results.states[row.state].incremental.records is not None
         for name in listed:

@@ -28,10 +28,13 @@ class SummaryCheck(Part):
     check: str = key("its name: the least at SLO and SLD; `SLV linear` where the nonlinear one has no number")
     zeta_E: float | None = key("ζ_E at SLV and SLC, the ratio at SLO and SLD; null: not determined")
     zeta_E_range: list[float | None] | None = optional("least and largest of an ensemble")
-    verified: bool | None = key("whether it is 1 or more")
+    verified: bool | None = key("whether it is 1 or more; null: not determined, or below 1 within its range")
     loss: float | None = optional("of a settled state: 1 − ζ_E/ζ_E(original), both by this check")
     gain: float | None = optional(
         "of a strengthened state: ζ_E/ζ_E(before) − 1, likewise", "Incremento|Increase", change=True
+    )
+    distinguishable: bool | None = optional(
+        "with `loss`: whether the ranges of ζ_E before and after are apart"
     )
 
 

@@ -46,7 +46,11 @@ class Check(MassShares):
         "ζ_E",
         ratio=True,
     )
-    verified: bool | None = key("whether the ratio is 1 or more", "Esito|Outcome", null="not_determined")
+    verified: bool | None = key(
+        "whether the ratio is 1 or more; null: not determined, or below 1 within its range",
+        "Esito|Outcome",
+        null="not_determined",
+    )
     damping: float | None = key("damping ratio of the demand")
     return_period_years: float | None = key(
         "of the capacity; null: the hazard of the site is not known", "T_R", null="not_determined"

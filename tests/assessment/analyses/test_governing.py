@@ -135,7 +135,10 @@ def checked(**checks: float | None):
     def assess(pushovers: dict) -> dict:
         ((direction, each),) = pushovers.items()
         d = each.rigid.d_0_m
-        numbers = {name: {"a_g_g": factor * d, "zeta_E": 2.0 * factor * d} for name, factor in checks.items()}
+        numbers = {
+            name: {"a_g_g": factor * d, "zeta_E": 2.0 * factor * d, "verified": 2.0 * factor * d >= 1.0}
+            for name, factor in checks.items()
+        }
         return {direction: Found(Assessed(each, made(Capacity, {"alpha_0": each.rigid.alpha_0, **numbers})))}
 
     return assess
@@ -211,6 +214,15 @@ def test_everything_told_of_a_direction_is_of_the_run_with_the_least_index():
     assert path.ultimate_movement_m == 0.2 and path.ultimate_movement_m_range == pytest.approx(
         widened(0.2, 0.3)
     )
+
+
+def test_a_check_is_verified_only_where_its_whole_range_is():
+    """Of five runs of a wall four had no capacity; the fifth was told as verified."""
+    runs = runs_of(curve(0.1, 0.8), curve(0.1, 0.9), curve(0.1, 1.0))
+    verified = governing(runs, checked(SLC=0.65, SLV=2.0, SLD=0.6)).capacity["+x"]
+    assert verified.SLV.zeta_E_range[0] > 1.0 and verified.SLV.verified
+    assert verified.SLC.zeta_E > 1.0 > verified.SLC.zeta_E_range[0] and verified.SLC.verified is None
+    assert verified.SLD.zeta_E < 1.0 and verified.SLD.verified is False
 
 
 def test_a_ratio_that_is_no_index_governs_only_where_no_index_was_checked():

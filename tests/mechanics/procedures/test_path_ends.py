@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from importlib import import_module
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -157,10 +158,10 @@ def test_where_nothing_stands_beyond_the_last_equilibrium_is_located(monkeypatch
     found = MODULE["push_path"].reach
 
     def reach(problem, guess, last, shortest):
-        step, jumped = found(problem, guess, last, shortest)
-        if problem.system.model.point_displacement(CORNER, 1, step.state.positions)[0] > 0.055:
+        reached = found(problem, guess, last, shortest)
+        if problem.system.model.point_displacement(CORNER, 1, reached.step.state.positions)[0] > 0.055:
             raise RunawayError("a part falls")
-        return step, jumped
+        return reached
 
     monkeypatch.setattr(MODULE["push_path"], "reach", reach)
     curve = pushover(block_on_base(), CORNER, increment=0.01)
@@ -277,3 +278,32 @@ def test_blocks_fall_back_where_they_come_near_to_where_they_have_jumped_not_the
     path.points = [PushPoint(start, 0.0), PushPoint(behind, -0.001, jumped=True)]
     assert path._falls_back(moved(0.009)) and path._falls_back(moved(-0.01))
     assert not path._falls_back(moved(0.011))
+
+
+@pytest.mark.parametrize(("seed", "direction"), [(11, "-x"), (16, "+x")])
+def test_a_brick_that_slides_to_the_edge_and_tips_there_does_not_jump(seed, direction):
+    """The last brick of the upper course slides, then turns about the edge below: α falls from μ to 0 above that."""
+    model = random_masonry(seed)
+    curve = pushover(model, direction=direction, increment=0.02 * model.size)
+    assert len(curve.crossed) == 0 and curve.reached_zero
+    assert np.diff(curve.multiplier).max() < 2e-3 * curve.alpha_0
+    moved = curve.states[-1].positions[curve.block] - model.initial.positions[curve.block]
+    half = 0.5 * np.ptp(model.blocks[curve.block].polygon[:, 0])
+    assert abs(moved[0]) == pytest.approx(half, rel=5e-3)
+
+
+def test_what_falls_by_coulombs_law_as_a_support_moves_is_not_held_by_dilation():
+    """Of a wall in bond a brick loses its seat of 0.462 m; by steps that lift what slides it hung for 2.3 m more."""
+    courses = {
+        0.0: (0.533, [0.0, 0.536, 0.99, 1.569, 2.0]),
+        0.533: (1.062, [0.0, 0.725, 1.452, 2.0]),
+        1.062: (1.52, [0.0, 0.497, 1.118, 1.465, 2.0]),
+    }
+    stone = Material(20.0, 0.8)
+    bases = [("left", -0.4, 1.0), ("right", 1.0, 2.4)]
+    blocks = [Block(rectangle(a, -0.3, b, 0.0), 0.5, stone, support=name) for name, a, b in bases]
+    for low, (high, ends) in courses.items():
+        blocks += [Block(rectangle(a, low, b, high), 0.5, stone) for a, b in pairwise(ends)]
+    path = pushdown(Assembly(blocks), "right", (0.5, 0.0), increment=0.0105)
+    assert path.lifting == 0
+    assert path.crossed[0, 0] == pytest.approx(0.462, abs=1.5e-3)

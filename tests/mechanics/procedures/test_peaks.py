@@ -104,7 +104,7 @@ def test_a_motion_decides_on_what_limit_analysis_has_replaced(monkeypatch, least
         for k, alpha in enumerate((0.3, 0.4, 0.5, 0.6, 0.2))
     ]
     monkeypatch.setattr(PushPath, "limit_at", lambda *_: None)
-    monkeypatch.setattr(held_load, "stands", lambda *given: given[-1] <= 0.45)
+    monkeypatch.setattr(held_load, "stands", lambda *given: -given[-1] <= 0.45)
     assert path.peak_that_counts()[1] == pytest.approx(told, rel=0.05)
 
 

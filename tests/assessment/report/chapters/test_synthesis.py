@@ -197,6 +197,27 @@ def test_the_range_stands_beside_the_index_that_is_used():
     assert f"{used} is the least of several computations" in said and "between 0.25 and 2.50" in said
 
 
+@pytest.mark.parametrize(
+    ("low", "told"),
+    [
+        (0.25, "an index or ratio falls to 0.25."),
+        (0.0, "not all computations with other increments find a capacity."),
+    ],
+)
+def test_ranges_on_both_sides_of_one_decide_nothing_and_overlapping_ones_tell_no_loss(low, told):
+    """Of five runs of a wall one had a capacity, and it was told as verified; scatter was told as a gain of 40 %."""
+    results = results_example("en")
+    for state in results["states"].values():
+        for capacity in state["capacity"].values():
+            for name in capacity.keys() & {"SLV", "SLC"}:
+                capacity[name] |= {"zeta_E_range": [low, 9.0], "verified": None}
+    found = typed(results)
+    said = Markup(lead(found, WORDS)[0]).striptags()
+    assert "no distinguishable change" in said and told in said
+    grid = synthesis_grid(found, WORDS)
+    assert all("not distinguishable" in " ".join(row) for row in grid.rows if "riginal" not in row[0])
+
+
 def test_without_an_index_the_range_is_that_of_the_multiplier():
     results = results_example("en")
     for content in results["states"].values():
