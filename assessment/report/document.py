@@ -98,7 +98,18 @@ def render_html(
 ) -> str:
     """Return the report as one self-contained page, with or without the part to step through on the screen."""
     full = results.echo.report.get("annexes") == "full"
-    attached = _attached(results, figures.parent)
+    drawn: dict[str, list[Embedded]] = {}  # the figures that are printed, by section
+    for picture in pictures(results):
+        if full or not picture.full:
+            what = words(f"caption.{picture.caption}", **picture.fields)
+            address = _address((figures / f"{picture.name}.svg").read_bytes(), "svg+xml")
+            shown = Embedded(f"figures/{picture.name}.png", what, address)
+            drawn.setdefault(picture.section, []).append(shown)
+    attached = []  # what each shows is the name of its file, in words
+    for number, name in enumerate(results.echo.report.get("attachments", ()), 1):
+        file = stored(number, name)
+        address = _address((figures.parent / file).read_bytes(), "png" if file.endswith("png") else "jpeg")
+        attached.append(Embedded(file, Path(name).stem.replace("_", " "), address))
     calculations = list(traces(results, words))
     states = results.states.values()
     shaken = any(state.history or state.incremental.records is not None for state in states)
@@ -117,7 +128,7 @@ def render_html(
         attached=attached,
         count={kind: itertools.count(1) for kind in ("figure", "table")},
         viewer=interactive,
-        figures=_embedded(results, figures, words, full),
+        figures=drawn,
         grids=grids.printed_tables(results, words),
         traces=calculations,
         edited=edited,
@@ -160,28 +171,6 @@ class Embedded:
     file: str
     caption: str
     address: str
-
-
-def _embedded(results: Results, folder: Path, words: Words, full: bool) -> dict[str, list[Embedded]]:
-    """Return the figures that are printed, by section."""
-    found: dict[str, list[Embedded]] = {}
-    for picture in pictures(results):
-        if full or not picture.full:
-            what = words(f"caption.{picture.caption}", **picture.fields)
-            address = _address((folder / f"{picture.name}.svg").read_bytes(), "svg+xml")
-            shown = Embedded(f"figures/{picture.name}.png", what, address)
-            found.setdefault(picture.section, []).append(shown)
-    return found
-
-
-def _attached(results: Results, folder: Path) -> list[Embedded]:
-    """Return the pictures that the project attaches: what each shows is the name of its file, in words."""
-    found = []
-    for number, name in enumerate(results.echo.report.get("attachments", ()), 1):
-        file = stored(number, name)
-        address = _address((folder / file).read_bytes(), "png" if file.endswith("png") else "jpeg")
-        found.append(Embedded(file, Path(name).stem.replace("_", " "), address))
-    return found
 
 
 def _address(content: bytes, kind: str) -> str:

@@ -15,6 +15,7 @@ from assessment.results.schema import Results
 from assessment.results.schema.model import Line
 from assessment.results.table import Row, Table
 
+BETWEEN_NODES = "D.M. 14/01/2008, Allegato A, eq."  # of the hazard, in full annexes
 COLUMNS = ("symbol", "formula", "inputs", "result", "paragraph")
 
 
@@ -37,7 +38,9 @@ def traces(results: Results, words: Words) -> Iterator[Grid]:
         else:
             before = action.get(kind, [])
         own = [line for line in steps if line not in before]
-        rows = [_row(each, words, 6 if full else 4) for each in own if full or not _between_nodes(each)]
+        if not full:
+            own = [line for line in own if not line.paragraph.startswith(BETWEEN_NODES)]
+        rows = [_row(line, words, 6 if full else 4) for line in own]
         if not rows:
             continue
         named = kind in words.strings["calculation"]
@@ -45,11 +48,6 @@ def traces(results: Results, words: Words) -> Iterator[Grid]:
         where = filter(None, [mechanism, title, words.at(state, direction)])
         caption = words("caption.trace", title=Markup(", ").join(where))
         yield grid(Table("trace", rows, COLUMNS), words, caption)
-
-
-def _between_nodes(line: Line) -> bool:
-    """Return whether a line interpolates the hazard between the nodes of its grid: in full annexes alone."""
-    return line.paragraph.startswith("D.M. 14/01/2008, Allegato A, eq.")
 
 
 def _row(line: Line, words: Words, digits: int) -> Row:

@@ -4,14 +4,13 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from assessment.report.figures.style import COLOURS, DASHES, OVER_LINES, chart, key, legend, state_style
 from assessment.report.language import Words, direction_name, label, scale
 from assessment.report.tables.mechanisms import alpha_at_d_0, elastic_capacity
 from assessment.report.tables.studies import ROUNDING, bars
-from assessment.results.schema import Capacity, Check, Direction, Pushovers, Results, known, present
+from assessment.results.schema import Direction, Pushovers, Results, known, present
 from assessment.results.table import compared, reference_of, sense
 from mechanics.pictures import MARKS
 from mechanics.types import GRAVITY
@@ -92,7 +91,17 @@ def draw_pushover(results: Results, words: Words, directions: Sequence[Direction
         axes.set_ylim(bottom=0.0)
         axes.set_xlim(0.0, 6.0 * mm * max(yields) if at % columns else None)
         for name, pushover in states[direction].items():
-            _key_points(axes, pushover, COLOURS[names.index(name) % len(COLOURS)])
+            rigid, elastic, found = pushover.rigid, pushover.elastic, dict[str, tuple[float, float]]()
+            if rigid:
+                found[ONSET] = abs(rigid.curve.displacement_m[rigid.peak]), rigid.alpha_0
+                if rigid.d_0_m is not None:
+                    found[END] = rigid.d_0_m, alpha_at_d_0(rigid) or 0.0
+            if elastic and elastic.alpha_y is not None and elastic.d_y_m is not None:
+                found[YIELD] = elastic.d_y_m, elastic.alpha_y
+            colour = COLOURS[names.index(name) % len(COLOURS)]
+            for mark, (displacement, alpha) in found.items():
+                if mm * displacement <= axes.get_xlim()[1]:
+                    axes.plot(mm * displacement, alpha, color=colour, clip_on=False, **MARKS[mark])
     legend(figure, 3, handles)
     return figure
 
@@ -103,23 +112,11 @@ def pushed(results: Results, direction: Direction) -> dict[str, Pushovers]:
     return {name: state.pushover[direction] for name, state in states if direction in state.pushover}
 
 
-def _key_points(axes: Axes, pushover: Pushovers, colour: str) -> None:
-    """Mark α0, d_0 and (d_y, α_y) where the axes reach them: named in the legend, beside a point they met others."""
-    rigid, elastic, found = pushover.rigid, pushover.elastic, dict[str, tuple[float, float]]()
-    if rigid:
-        found[ONSET] = abs(rigid.curve.displacement_m[rigid.peak]), rigid.alpha_0
-        if rigid.d_0_m is not None:
-            found[END] = rigid.d_0_m, alpha_at_d_0(rigid) or 0.0
-    if elastic and elastic.alpha_y is not None and elastic.d_y_m is not None:
-        found[YIELD] = elastic.d_y_m, elastic.alpha_y
-    for mark, (displacement, alpha) in found.items():
-        if (d := scale("displacement_m") * displacement) <= axes.get_xlim()[1]:
-            axes.plot(d, alpha, color=colour, clip_on=False, **MARKS[mark])
-
-
 LONGEST = 4.0  # s: what is drawn of the spectra
 ELASTIC: dict[str, Any] = {"color": "0.5", "linewidth": 1.4}
 PERIODS = (0.5, 1.0, 2.0, 3.0)  # s: of the grey lines
+PERIOD: dict[str, Any] = {"color": "0.45", "fontsize": 6.0, "bbox": OVER_LINES, "zorder": 1.5}
+NAMED: dict[str, Any] = {"textcoords": "offset points", "bbox": OVER_LINES, "zorder": 1.6}
 
 
 def draw_spectra(results: Results, words: Words, views: Views, limit: str) -> Figure:
@@ -134,14 +131,25 @@ def draw_spectra(results: Results, words: Words, views: Views, limit: str) -> Fi
     for axes, (name, direction) in zip(panels, views, strict=True):
         capacity = results.states[name].capacity[direction]
         point = capacity.checks[limit]
-        reach, top = _frame(capacity, point)
+        curve = capacity.curve
+        reach, secant = max([*curve.d_star_m, point.d_star_m or 0.0]), 0.0
+        if point.d_star_m and point.a_g_g and point.demand_a_g_g:  # beyond twice the capacity off the sheet
+            reach = max(reach, point.d_star_m * min(2.0, point.demand_a_g_g / point.a_g_g))
+        if point.d_star_m and point.T_s:
+            secant = _secant(point.d_star_m, point.T_s)
+        reach, top = 1.25 * reach, max(3.0 * max(curve.a_star_g), 1.8 * secant)
         axes.set(xlim=(0.0, mm * reach), ylim=(0.0, top), title=words.at(name, direction))
         axes.set(xlabel=label("d_star_m", words), ylabel=label("a_star_g", words))
-        _periods(axes, words, reach, top)
+        for period in PERIODS:  # their lines, each named where it leaves the frame
+            edge = min(reach, top / _secant(1.0, period))
+            height, steep = _secant(edge, period), edge < reach
+            axes.plot([0.0, mm * edge], [0.0, height], color="0.7", linewidth=0.5, zorder=1.2)
+            place: dict[str, Any] = {"ha": "center" if steep else "right", "va": "center", **PERIOD}
+            text, away = words.comma(f"{period:g} s"), (0, -7) if steep else (-3, 0)
+            axes.annotate(text, (mm * edge, height), away, textcoords="offset points", **place)
         if found := elastic_capacity(results, name, direction):
             named = words.plain("figure.elastic_capacity")
             axes.plot(mm * found[0], found[1], label=named, **ELASTIC)
-        curve = capacity.curve
         along, named = mm * np.asarray(curve.d_star_m), words.plain("figure.fitted_curve")
         axes.plot(along, curve.a_star_g, color="0.0", linewidth=1.9, label=named)
         if spectrum is not None:
@@ -154,7 +162,17 @@ def draw_spectra(results: Results, words: Words, views: Views, limit: str) -> Fi
                 if dashes == DASHES[2] and ((displacement < mm * reach) & (acceleration < top)).any():
                     demand = "spectrum"
         if point.d_star_m is not None:
-            _limit_point(axes, point, limit)
+            d_star = mm * point.d_star_m
+            axes.plot(
+                d_star, known(point.a_star_g), marker="s", color="0.0", markersize=4.5, linestyle="none"
+            )
+            axes.annotate(f"d*_{limit}", (d_star, 0.0), (3.0, 7.0), **NAMED)
+            if point.T_s:
+                axes.plot([0.0, d_star], [0.0, secant], color="0.0", linewidth=0.6, linestyle=DASHES[1])
+                axes.plot([d_star, d_star], [0.0, secant], color="0.0", linewidth=0.4)
+                circle: dict[str, Any] = {"marker": "o", "markerfacecolor": "1.0", "markersize": 5}
+                axes.plot(d_star, secant, color="0.0", linestyle="none", **circle)
+                axes.annotate(f"T_{limit}", (d_star, secant), (5.0, 6.0), **NAMED)
     reference = words.plain(f"value.on_{reference_of(results)}")
     borne = words.plain("figure.borne_spectrum", limit=limit, reference=reference)
     demanded = words.plain(f"figure.demand_{demand}", limit=limit)
@@ -178,45 +196,9 @@ def draw_demand(results: Results, words: Words) -> Figure:
     return figure
 
 
-def _frame(capacity: Capacity, point: Check) -> tuple[float, float]:
-    """Return the ends of both axes, m and g, of a panel."""
-    curve, reach, secant = capacity.curve, max([*capacity.curve.d_star_m, point.d_star_m or 0.0]), 0.0
-    if point.d_star_m and point.a_g_g and point.demand_a_g_g:  # beyond twice the capacity off the sheet
-        reach = max(reach, point.d_star_m * min(2.0, point.demand_a_g_g / point.a_g_g))
-    if point.d_star_m and point.T_s:
-        secant = _secant(point.d_star_m, point.T_s)
-    return 1.25 * reach, max(3.0 * max(curve.a_star_g), 1.8 * secant)
-
-
 def _secant(displacement: float, period: float) -> float:
     """Return the spectral acceleration in g that has this displacement (m) at this period (s)."""
     return float((2.0 * np.pi / period) ** 2 * displacement / GRAVITY)
-
-
-def _periods(axes: Axes, words: Words, reach: float, top: float) -> None:
-    """Draw the lines of round periods, each named where it leaves the frame."""
-    for period in PERIODS:
-        edge, mm = min(reach, top / _secant(1.0, period)), scale("d_star_m")
-        height = _secant(edge, period)
-        axes.plot([0.0, mm * edge], [0.0, height], color="0.7", linewidth=0.5, zorder=1.2)
-        style: dict[str, Any] = {"color": "0.45", "fontsize": 6.0, "bbox": OVER_LINES, "zorder": 1.5}
-        text, steep = words.comma(f"{period:g} s"), edge < reach
-        axes.annotate(text, (mm * edge, height), (0, -7) if steep else (-3, 0), textcoords="offset points",
-                      ha="center" if steep else "right", va="center", **style)  # fmt: skip
-
-
-def _limit_point(axes: Axes, point: Check, limit: str) -> None:
-    d_star = scale("d_star_m") * known(point.d_star_m)
-    axes.plot(d_star, known(point.a_star_g), marker="s", color="0.0", markersize=4.5, linestyle="none")
-    named: dict[str, Any] = {"textcoords": "offset points", "bbox": OVER_LINES, "zorder": 1.6}
-    axes.annotate(f"d*_{limit}", (d_star, 0.0), (3.0, 7.0), **named)
-    if point.T_s:
-        height = _secant(known(point.d_star_m), point.T_s)
-        axes.plot([0.0, d_star], [0.0, height], color="0.0", linewidth=0.6, linestyle=DASHES[1])
-        axes.plot([d_star, d_star], [0.0, height], color="0.0", linewidth=0.4)
-        circle: dict[str, Any] = {"marker": "o", "color": "0.0", "markerfacecolor": "1.0", "markersize": 5}
-        axes.plot(d_star, height, linestyle="none", **circle)
-        axes.annotate(f"T_{limit}", (d_star, height), (5.0, 6.0), **named)
 
 
 SIDES = {"+x": (">", "0.0"), "-x": ("<", "1.0")}  # of the directions: full to the right, empty to the left
@@ -282,8 +264,8 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
     for axes, (state, own) in zip(panels, of_state.items(), strict=True):
         base = known(own[0].a_g_base_g)
         for place, bar in enumerate(own):
-            for side, above in (("low", 0.2), ("high", -0.2)):
-                factor, end = bar.ends()[side]
+            low, high = (bar.low_factor, bar.a_g_low_g), (bar.high_factor, bar.a_g_high_g)
+            for side, above, (factor, end) in (("low", 0.2, low), ("high", -0.2, high)):
                 moved = base if end is None else end
                 named = words.plain(f"figure.{side}_factor")
                 axes.barh(place + above, moved - base, left=base, height=0.36, label=named, **BARS[side])

@@ -96,7 +96,11 @@ def draw_model(results: Results, words: Words) -> Figure:
 
 RED = "#c00000"
 MOST_NUMBERS = 400  # beyond it they would only cover each other
-SURFACES = {"thin": "xxxx", "twice": "\\\\\\\\", "overlap": "", "floating": "////"}  # hatches
+SURFACES = ("thin", "twice", "overlap", "floating")
+LOOKS: dict[str, dict[str, Any]] = {  # of faults: surfaces hatched, lines as thick as they are wide
+    "thin": {"hatch": "xxxx"}, "twice": {"hatch": "\\\\\\\\"}, "floating": {"hatch": "////"},
+    "overlap": {"facecolor": RED, "alpha": 0.45}, "gap": {"linewidth": 2.4},
+}  # fmt: skip
 SMALL = {"outline", "overlap", "thin"}  # a number would cover what it marks
 NUMBER: dict[str, Any] = {
     "ha": "center",
@@ -121,8 +125,9 @@ def draw_faults(faulty: FaultyDrawingError, words: Words) -> Figure:
     handles: list[Any] = []
     for kind, count in Counter(fault.kind for fault in faulty.faults).items():
         own = [each for each in faulty.faults if each.kind == kind]
-        style = _style(kind)
         surface = kind in SURFACES
+        style: dict[str, Any] = {"facecolor": "none", "edgecolor": RED, "linewidth": 1.0 if surface else 1.3}
+        style |= LOOKS.get(kind, {})
         lines = [line for fault in own for line in fault.lines if len(line) > 1]
         axes.add_collection(PolyCollection(lines, closed=surface, **style), autolim=False)
         if kind == "outline":
@@ -139,14 +144,6 @@ def draw_faults(faulty: FaultyDrawingError, words: Words) -> Figure:
         axes.annotate(str(number), fault.points[0], away, textcoords="offset points", **NUMBER)
     page.legend(handles, words)
     return page.figure
-
-
-def _style(kind: str) -> dict[str, Any]:
-    """Return how faults of a kind are drawn: surfaces hatched, lines as thick as they are wide."""
-    if kind not in SURFACES:
-        return {"facecolor": "none", "edgecolor": RED, "linewidth": 2.4 if kind == "gap" else 1.3}
-    face = {"facecolor": RED, "alpha": 0.45} if kind == "overlap" else {"facecolor": "none"}
-    return {"edgecolor": RED, "linewidth": 1.0, "hatch": SURFACES[kind], **face}
 
 
 def ghost_handle(label: str) -> Line2D:

@@ -305,8 +305,17 @@ def _fragilities(words: Words, fits: Sequence[FragilityCurve], measure: str) -> 
 def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> Figure:
     """Draw the probability of collapse over the measure, a curve per share; circles: the combinations, or stripes."""
     campaign, fits = known(results.campaign), []
+    ratio = {each.record: (each.sa_g or each.record_pga_g) / each.record_pga_g for each in campaign.records}
     for row in fragile_shares(results, settlement):
-        seen, name = _seen(campaign, settlement, row.share), _share(row.share, words)
+        name = _share(row.share, words)
+        of_share = (r for r in campaign.combinations if (r.settlement, r.share) == (settlement, row.share))
+        runs = [run for run in of_share if run.pga_safe_g is not None]
+        if campaign.method == "stripes":
+            fallen = np.array([known(run.collapsed) for run in runs], dtype=float)
+            seen = campaign.levels_g, fallen.mean(axis=0).tolist()
+        else:  # levels of 50 %, by the measure, and the share of the combinations that collapse there
+            levels = sorted(ratio[run.record] * run.level_50_g for run in runs if run.level_50_g is not None)
+            seen = levels, _shares(levels, len(runs))
         fits.append(FragilityCurve(name, known(row.median_g), known(row.beta), row.band, seen))
     sa = label("sa_g", words).replace("(T)", f"({words.show(campaign.period_s)} s)")
     return _fragilities(words, fits, label("pga_g", words) if campaign.measure == "PGA" else sa)
@@ -342,18 +351,6 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
         axes.set_ylim(per_cent * least - room, per_cent * most + room)
     legend(figure, 3)
     return figure
-
-
-def _seen(campaign: dynamic.Campaign, settlement: str, share: float) -> tuple[list[float], list[float]]:
-    """Return levels of 50 % or stripes (g, of the measure) and the share of the combinations that collapse there."""
-    of_share = (r for r in campaign.combinations if r.settlement == settlement and r.share == share)
-    rows = [row for row in of_share if row.pga_safe_g is not None]
-    if campaign.method == "stripes":
-        fallen = np.array([known(row.collapsed) for row in rows], dtype=float)
-        return campaign.levels_g, fallen.mean(axis=0).tolist()
-    ratio = {each.record: (each.sa_g or each.record_pga_g) / each.record_pga_g for each in campaign.records}
-    levels = sorted(ratio[row.record] * row.level_50_g for row in rows if row.level_50_g is not None)
-    return levels, _shares(levels, len(rows))
 
 
 def _share(share: float, words: Words) -> str:

@@ -40,10 +40,6 @@ class Bar:
         """Those of the three capacities that are known, g."""
         return [a_g for a_g in (self.a_g_low_g, self.a_g_base_g, self.a_g_high_g) if a_g is not None]
 
-    def ends(self) -> dict[str, tuple[float, float | None]]:
-        """Factor and capacity (g) at the "low" and the "high" end."""
-        return {"low": (self.low_factor, self.a_g_low_g), "high": (self.high_factor, self.a_g_high_g)}
-
 
 def reported_studies(results: Results) -> list[Table]:
     """Return the tables of the report: the scenarios without what holds for all of them, and the tornado."""
