@@ -1,7 +1,5 @@
 """What the terminal tells of results: the sentences and the table of the report, in English, and the model."""
 
-from collections.abc import Iterator
-
 from assessment.report.language import Words, plain_text
 from assessment.results.schema import Results
 from assessment.results.summary import best_of, fits, movement_text, settlement_lines
@@ -18,7 +16,14 @@ def told(results: Results) -> str:
         texts = [[plain_text(cell) for cell in row] for row in (grid.head, *grid.rows)]
         widths = [max(map(len, column)) for column in zip(*texts, strict=True)]
         lines += ["  ".join(map(str.ljust, row, widths)).rstrip() for row in texts]
-    return "\n".join([*lines, *_identified(results)])
+    identified = results.identification
+    if identified and (best := best_of(identified)):  # as the project file has it too
+        moved, freedom = "; ".join(map(movement_text, best.movement)), best.degrees_of_freedom
+        lines.append(f"best movement: {moved} (χ² {best.chi_squared:.3g}, {freedom} degrees of freedom)")
+        if identified.settlements and not fits(best):
+            lines.append("  # does not fit the measurements: not to be used")
+        lines += [f"  {line}" for ready in identified.settlements for line in settlement_lines(ready)]
+    return "\n".join(lines)
 
 
 def model_summary(results: Results) -> str:
@@ -31,15 +36,3 @@ def model_summary(results: Results) -> str:
         f"  blocks {model.blocks} ({model.movable_blocks} movable), joints {model.joints}, unknowns {model.unknowns}"
         f"{ties}\n  weight {model.weight_kN:.4g} kN; stands under its own weight: {stands}"
     )
-
-
-def _identified(results: Results) -> Iterator[str]:
-    """Yield the movement that explains what was measured best, as the project file has it too."""
-    identified = results.identification
-    if identified and (best := best_of(identified)):
-        moved, freedom = "; ".join(map(movement_text, best.movement)), best.degrees_of_freedom
-        yield f"best movement: {moved} (χ² {best.chi_squared:.3g}, {freedom} degrees of freedom)"
-        if identified.settlements and not fits(best):
-            yield "  # does not fit the measurements: not to be used"
-        for ready in identified.settlements:
-            yield from (f"  {line}" for line in settlement_lines(ready))

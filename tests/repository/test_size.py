@@ -17,7 +17,7 @@ LINES = {
     "assessment/cli": 626,
     "assessment/ntc": 1989,
     "assessment/project": 4470,
-    "assessment/report": 5611,
+    "assessment/report": 5599,
     "assessment/results": 3100,
     "assessment/runtime": 1359,
     "assessment/studies": 2261,

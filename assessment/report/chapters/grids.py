@@ -54,8 +54,14 @@ def grid(
 def printed_tables(results: Results, words: language.Words) -> dict[str, Grid]:
     """Return the tables of the report that have rows, by name."""
     chosen = checked.chosen_mechanisms(results)
+    cases = tomllib.loads((files("templates") / "validation.toml").read_text(encoding="utf-8"))["case"]
+    validation = [  # of this version; tests compute every row again
+        {name: Markup(text) for name, text in case[words.language].items()}
+        | {name: words.comma(case[name]) for name in ("expected", "computed")}
+        for case in cases
+    ]
     found = [
-        _validation(words),
+        Table("validation", validation, ("case", "source", "expected", "computed")),
         # loads have their own table
         without(structure.layers(results), *["vertical_load_kN"] * bool(results.loads)),
         structure.reported_loads(results, words),
@@ -180,17 +186,6 @@ def ranges_table(found: Iterable[Row], words: language.Words, reference: str = R
         rows.append(row | {key: language.written(name, end, words) for key, end in ends.items()})
     columns = ("state", "direction", "contacts", "quantity", "used", "lowest", "highest")
     return Table("static_ranges", rows, columns)
-
-
-def _validation(words: language.Words) -> Table:
-    """Return the validation table of this version; tests compute every row again."""
-    cases = tomllib.loads((files("templates") / "validation.toml").read_text(encoding="utf-8"))["case"]
-    rows = [
-        {name: Markup(text) for name, text in case[words.language].items()}
-        | {name: words.comma(case[name]) for name in ("expected", "computed")}
-        for case in cases
-    ]
-    return Table("validation", rows, ("case", "source", "expected", "computed"))
 
 
 Path = tuple[str, ...]
