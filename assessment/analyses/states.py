@@ -264,9 +264,8 @@ def _settled(requests: Sequence[Request], workers: Workers, prefix: str) -> dict
         worthwhile = large(*(model for model, *_ in tasks))
         moved = workers.each(f"{prefix}pushdown", settle, list(tasks.values()), titles, worthwhile)
         for movement, followed in zip(tasks, moved, strict=True):
-            found[movement] = replace(
-                followed, warnings=[*followed.warnings, *_not_back(movement, followed, found)]
-            )
+            away = _not_back(movement, followed, found, asked[movement].sliding)
+            found[movement] = replace(followed, warnings=[*followed.warnings, *away])
     return found
 
 
@@ -275,9 +274,12 @@ def _reached(movement: Found[Settled] | None) -> State | None:
 
 
 def _not_back(
-    movement: Movement, followed: Found[Settled], found: Mapping[Movement, Found[Settled]]
+    movement: Movement, followed: Found[Settled], found: Mapping[Movement, Found[Settled]], sliding: Sliding
 ) -> list[Message]:
-    """Return what does not come back where all supports are where they were, as drawn or after an earlier movement."""
+    """Return what does not come back where all supports are where they were, as drawn or after an earlier movement.
+
+    As drawn elastic joints have sunk under gravity.
+    """
     (model, path, behaviour), reached = movement, _reached(followed)
     places = [
         (message("after {state}", state=path[count - 1].name), state)
@@ -286,7 +288,10 @@ def _not_back(
     ]
     if reached is None or not places:
         return []
-    told = (not_back(model, reached, *place) for place in (*places, (message("as drawn"), model.initial)))
+    drawn = rest_as_drawn(model, sliding) if behaviour == "elastic" else model.initial
+    if not isinstance(drawn, Message):
+        places.append((message("as drawn"), drawn))
+    told = (not_back(model, reached, *place) for place in places)
     return [headed(path_title(path[-1].name, behaviour), text) for text in told if text][:1]
 
 

@@ -78,8 +78,12 @@ def application(session: Session, port: int, token: str) -> ASGIApp:
     async def drop(request: Request) -> Response:
         name, kind = request.path_params["name"], request.query_params.get("kind", "")
         content = await _body(request, MOST_DROPPED)
+        try:
+            step = float(request.query_params.get("time_step", 0.0)) if kind == "record" else None
+        except ValueError:
+            return _refused("time_step: must be a number, in s", 400)
         return await run_in_threadpool(
-            _answered, session, request, lambda to: to.receive(name, kind, content)
+            _answered, session, request, lambda to: to.receive(name, kind, content, step)
         )
 
     async def refused(_: Request, error: Any) -> Response:

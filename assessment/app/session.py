@@ -197,11 +197,12 @@ class Session:
         with self.lock:
             return self.opened.state()
 
-    def receive(self, name: str, kind: str, content: bytes) -> dict[str, Any]:
+    def receive(self, name: str, kind: str, content: bytes, time_step: float | None = None) -> dict[str, Any]:
         """Keep a dropped file in the project, once it can be read as what it should be; return its picture and name.
 
-        A file that is there stays: another one of its name gets a number. Without a project a drawing is kept for a new
-        one. Raises ProjectError for a name that is none, a suffix that does not fit, or a file that cannot be read.
+        `time_step` (s): of a record of one column. A file that is there stays: another one of its name gets a number.
+        Without a project a drawing is kept for a new one. Raises ProjectError for a name that is none, a suffix that
+        does not fit, or a file that cannot be read.
         """
         if kind not in PLACES:
             raise ProjectError(f"kind: must be one of {', '.join(PLACES)}")
@@ -221,7 +222,7 @@ class Session:
             trial = self.folder / OWN / "dropped" / path.name
             try:
                 write_atomically(trial, content)
-                picture = self.look(kind, trial)
+                picture = self.look(kind, trial, **({"time_step": time_step} if time_step else {}))
                 path.parent.mkdir(exist_ok=True)
                 trial.replace(path)
             finally:

@@ -190,7 +190,8 @@ def _row(
 def apart(one: schema.SummaryCheck, other: schema.SummaryCheck) -> bool:
     """Return whether the ranges of two indices do not overlap; one that does not scatter is its own range."""
     (low, high), (least, most) = (each.zeta_E_range or [each.zeta_E] * 2 for each in (one, other))
-    return (high or inf) < (least or 0.0) or (most or inf) < (low or 0.0)
+    above, most = (inf if each is None else each for each in (high, most))
+    return above < (least or 0.0) or most < (low or 0.0)
 
 
 def _mechanism(found: Mechanism) -> schema.SummaryMechanism:

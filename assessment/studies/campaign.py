@@ -234,7 +234,7 @@ def _findings(found: dynamic.Campaign) -> Iterator[Message]:
         if lost.distinguishable is False:
             low, high = (value or 0.0 for value in lost.dynamic_range)
             text = message("a loss of {loss:.0%} is not distinguishable from none: its range is from {low:.0%} to "
-                           "{high:.0%}", loss=lost.dynamic or 0.0, low=low, high=high)  # fmt: skip
+                           "{high:.0%}", loss=round(lost.dynamic or 0.0, 2) + 0.0, low=low, high=high)  # fmt: skip
             yield headed(moved_title(lost.settlement, lost.share), text)
     if not any(row.share == 0.0 for row in found.loss):
         yield message(

@@ -18,7 +18,7 @@ from mechanics.types import GRAVITY, Array, Mask
 
 GROWS = 10.0  # √(L/g), L the extent of the structure: time in which a load grows
 HOLDS = 5  # √(L/g): time that it stays then, and again until all rests, up to so many times
-STEP = 0.01  # √(L/g): time step
+STEP, SNAPPED = 0.01, 0.004  # √(L/g): time steps, of loads that grow and of what is released
 DAMPED = 0.1  # of critical: elastic joints, which lose nothing at impacts
 RESOLVED = 0.95  # ratio of multipliers that are not told apart
 
@@ -33,9 +33,10 @@ def stands(
     time_history.
     """
     model = model.uncrushed if contacts == "rigid" else model
-    step = STEP * np.sqrt(np.ptp(model.initial.positions[:, :2], axis=0).max() / GRAVITY)
-    grows = np.linspace(0.0, acceleration, round(GROWS / STEP) + 1)
-    stays = np.full(round(HOLDS / STEP) + 1, acceleration)
+    part = STEP if acceleration else SNAPPED
+    step = part * np.sqrt(np.ptp(model.initial.positions[:, :2], axis=0).max() / GRAVITY)
+    grows = np.linspace(0.0, acceleration, round(GROWS / part) + 1)
+    stays = np.full(round(HOLDS / part) + 1, acceleration)
     damping = DAMPED if contacts == "elastic" and first_frequency(model) else 0.0
     begun = state.positions
     for load in (*((grows,) if acceleration else ()), *HOLDS * (stays,)):

@@ -50,9 +50,14 @@ const sent = async (path, options) => {
 };
 export const ask = (name, given = {}) => sent(`/${name}`,
   { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(given) });
-export const put = (file, kind) => file.size > 50e6
+export const put = (file, kind, step) => file.size > 50e6
   ? Promise.reject(new Refused(413, w("too_large", { name: file.name })))
-  : sent(`/file/${encodeURIComponent(file.name)}?kind=${kind}`, { method: "PUT", body: file });
+  : sent(`/file/${encodeURIComponent(file.name)}?kind=${kind}${step ? `&time_step=${step}` : ""}`, { method: "PUT", body: file });
+const putRecord = (file) => put(file, "record").catch(async (error) => {  // one column has no time step of its own
+  const step = /time_step_s/.test(error.message) && Number(prompt(w("ask_step", { name: file.name }), "0.005")?.replace(",", "."));
+  if (!step) throw error;
+  return { ...await put(file, "record", step), step };
+});
 
 const gone = (is) => {
   $("gone").hidden = !is;
@@ -229,14 +234,14 @@ export const take = async (files, kind) => {
     const suffix = file.name.split(".").pop().toLowerCase();
     const is = kind ?? KINDS[suffix] ?? (store.step === "site" ? "grid" : "record");
     $("saved").textContent = w("reading", { name: file.name });
-    const found = await attempt(() => put(file, is));
+    const found = await attempt(() => is === "record" ? putRecord(file) : put(file, is));
     $("saved").textContent = "";
     if (!found) continue;
     if (!store.state.folder) { store.dropped = found; renderPanel(); continue; }
-    const { name } = found;
+    const { name, step } = found;
     await edit({ drawing: [[["geometry", "drawing"], name]], grid: [[["assessment", "site", "grid"], name]],
       picture: () => [[["report", "attachments"], [...new Set([...content().report?.attachments ?? [], name])]]],
-      record: () => [[["history", content().history?.length ?? 0], historyOf(name)]] }[is]);
+      record: () => [[["history", content().history?.length ?? 0], historyOf(name, step)]] }[is]);
   }
 };
 addEventListener("dragover", (event) => event.preventDefault());

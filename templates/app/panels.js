@@ -183,7 +183,8 @@ const earthquakeWide = () => {
 const siteWide = () => [small(w("site_help")), ...(site()?.error && !store.state.problems.length ? [wrong(site().error)] : []),
   ...(spectra().length ? [chart(w("spectra"), "T [s]", "S_e [g]", spectra())] : [])];
 const elastic = () => content().material?.normal_stiffness_kN_m3 !== undefined;  // else what is added is to be rigid
-export const historyOf = (record) => ({ record, ...(elastic() ? {} : { contacts: "rigid" }) });
+export const historyOf = (record, step) =>
+  ({ record, ...(step ? { time_step_s: step } : {}), ...(elastic() ? {} : { contacts: "rigid" }) });
 const ASSESSMENT = { first: ["limit_states", "confidence_factor", "model", "site"],
   entry: () => ({ ...(elastic() ? {} : { model: "none" }), site: { soil: "B" } }) };
 const sitePanel = () => [...sections(["assessment"], { assessment: ASSESSMENT }),

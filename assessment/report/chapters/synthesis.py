@@ -89,7 +89,7 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
     drawn = {each.direction: index_of(each, limit) for each in rows_of(results, ORIGINAL)}
     if loss is not None and value is not None and loss < 1.0:
         before = written(quantity, value / (1.0 - loss), words)
-        kind = "indistinct" if check and not check.distinguishable else "loss" if loss >= 0.0 else "gain"
+        kind = "indistinct" if check and check.distinguishable is False else "loss" if loss >= 0.0 else "gain"
         change = words(f"synthesis.{kind}", share=abs(loss))
         said += words("synthesis.before", before=before, change=change)
     elif check and (was := drawn.get(row.direction)):
@@ -163,7 +163,7 @@ def synthesis_grid(results: Results, words: Words) -> Grid | None:
         if changed:
             loss = row.checks[first].loss if first else None
             none = dash if row.state == ORIGINAL else words("value.open")
-            same = loss is not None and not row.checks[known(first)].distinguishable
+            same = loss is not None and row.checks[known(first)].distinguishable is False
             told = words("value.indistinct") if same else written("reduction", -(loss or 0.0), words)
             yield none if loss is None else told
         asked = {"static_pga_g": bool(row.checks), "d_0_m": row.alpha_0 is not None}

@@ -159,6 +159,14 @@ def test_of_a_long_record_the_extremes_are_drawn_at_their_own_times(tmp_path):
     assert found["acceleration"][found["time"].index(12.34)] == -0.35 == -found["pga"]
 
 
+def test_a_record_of_one_column_is_kept_with_a_time_step(session):
+    column = b"\n".join(b"%.4f" % (0.001 * (k % 7)) for k in range(500))
+    with pytest.raises(ProjectError, match="time_step_s"):
+        session.receive("column.csv", "record", column)
+    assert not (session.folder / "records" / "column.csv").exists()
+    assert session.receive("column.csv", "record", column, 0.01)["duration"] == pytest.approx(4.99)
+
+
 def test_a_model_is_looked_at_again_for_all_that_a_run_reads_and_not_for_the_report(session):
     session.receive("quake.csv", "record", RECORD)
     tags = {ask(session, "state")["tag"]}

@@ -144,6 +144,15 @@ def test_from_a_dropped_survey_to_the_report(page, home):
     assert (home / "portal" / "project.toml").read_bytes() == before
     changed(page, lambda: page.click("#redo"))
 
+    # a record of one column: the page asks for its time step
+    (home / "column.csv").write_text("\n".join(f"{0.001 * (k % 7):.4f}" for k in range(500)))
+    page.once("dialog", lambda dialog: dialog.accept("0,01"))
+    page.click("[data-step=earthquake]")
+    changed(page, lambda: page.set_input_files("[data-drop=record]", home / "column.csv"))
+    assert file_of(home, "portal")["history"][0]["time_step_s"] == 0.01
+    changed(page, lambda: page.click("#undo"))
+    page.click("[data-step=settlements]")
+
     # a support that is dragged: the structure follows, and the way is written
     page.click("[data-tool=select]")
     page.click("[data-step=settlements]")

@@ -201,7 +201,7 @@ def test_the_range_stands_beside_the_index_that_is_used():
     ("low", "told"),
     [
         (0.25, "an index or ratio falls to 0.25."),
-        (0.0, "not all computations with other increments find a capacity."),
+        (0.0, "the index may vanish or be missing."),
     ],
 )
 def test_ranges_on_both_sides_of_one_decide_nothing_and_overlapping_ones_tell_no_loss(low, told):
