@@ -32,7 +32,7 @@ from mechanics.steps.rest import come_down
 from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.static_system import Sliding, StaticSystem, static_system
 from mechanics.steps.tolerances import LIMIT, STEP
-from mechanics.types import Array
+from mechanics.types import GRAVITY, Array
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,6 +40,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 POINTS = 20_000  # most of a path that goes on to collapse
+KICKS = (
+    1e-3,
+    5e-3,
+)  # √(size·g): speeds with which what jumps is released along its jump: slower, it may linger
 
 
 @dataclass(frozen=True)
@@ -269,15 +273,16 @@ class Led:
         before, system = self.last.state, self.last.system
         found, _, jumped = self.reach(guess, lever * by, shortest)
         if jumped:
-            at = np.where(system.model.movable[:, None], before.positions, guess)
-            moving = np.where(system.model.movable[:, None], np.finfo(float).tiny, 0.0) + np.zeros_like(at)
-            released = replace(before, positions=at, velocities=moving, carrying=None)
-            if not stands(system.model, system.behaviour, system.sliding, released):
+            still, jump = ~system.model.movable[:, None], found.state.positions - before.positions
+            way = np.where(still, 0.0, jump / abs(jump).max()) * np.sqrt(GRAVITY * system.model.size)
+            at = np.where(still, guess, before.positions)
+            releases = [replace(before, positions=at, velocities=kick * way, carrying=None) for kick in KICKS]
+            if not all(stands(system.model, system.behaviour, system.sliding, each) for each in releases):
                 raise RunawayError(
                     message("the structure falls: a part moves by itself, and is not held again")
                 )
         self.last = found
-        self.rate = 0.0 * at if jumped else (found.state.positions - before.positions) / by
+        self.rate = 0.0 * guess if jumped else (found.state.positions - before.positions) / by
         return jumped
 
 
