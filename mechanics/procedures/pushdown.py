@@ -125,8 +125,8 @@ def pushdown(
 
     `increment` (m): of the largest component. The movement begins in `state` and counts from there, by default as
     drawn. With `to_collapse` it continues in the same direction, after `final` is taken, up to the last equilibrium. If
-    no equilibrium lies near, the blocks are released until they rest; if they do not come to rest, the structure has
-    collapsed.
+    no equilibrium lies near, the blocks are released until they rest; if they do not come to rest, without inertia or
+    with it, the structure has collapsed.
 
     Raises UnstableError if the structure as drawn cannot stand, CollapseError if it collapses before the whole movement
     is applied, NoEquilibriumError or ConvergenceError if that cannot be decided (these carry the path so far),
