@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 POINTS = 20_000  # most of a path that goes on to collapse
+FASTER = 3.0  # times the way to which the last step leads: blocks that go farther may have snapped
 KICKS = (
     1e-3,
     5e-3,
@@ -270,9 +271,13 @@ class Led:
 
         They jump where a motion with inertia comes to rest too. Raises RunawayError where it does not, else as `reach`.
         """
-        before, system = self.last.state, self.last.system
+        before, system, far = self.last.state, self.last.system, self.last.system.model.farthest
         found, _, jumped = self.reach(guess, lever * by, shortest)
-        if jumped:
+        x = before.positions
+        snaps = self.rate.any() and far(x, found.state.positions) > FASTER * far(x, x + by * self.rate)
+        if snaps and not shortest:
+            raise ConvergenceError(message("the blocks move farther than the last step leads to"))
+        if jumped or snaps:
             still, jump = ~system.model.movable[:, None], found.state.positions - before.positions
             way = np.where(still, 0.0, jump / abs(jump).max()) * np.sqrt(GRAVITY * system.model.size)
             at = np.where(still, guess, before.positions)

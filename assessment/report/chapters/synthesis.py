@@ -108,7 +108,8 @@ def _outcome(results: Results, name: str, words: Words) -> str:
     failing = [x for x in INDEXED if any(each[x].verified is False for each in checks if x in each)]
     if failing and index_limit(results) not in failing:
         return words.plain("synthesis.not_verified_at", limits=", ".join(failing))
-    open_ = [each for row in checks for each in row.values() if each.verified is None and each.zeta_E_range]
+    counting = [[row[x] for x in INDEXED if x in row] or list(row.values()) for row in checks]
+    open_ = [each for row in counting for each in row if each.verified is None and each.zeta_E_range]
     low = min((known(each.zeta_E_range)[0] or 0.0 for each in open_), default=None)
     undecided = "undetermined" if low is None else "undecided" if low else "not_all_runs"
     kind = "not_verified" if False in verified else undecided if None in verified else "verified"

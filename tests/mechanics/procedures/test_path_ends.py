@@ -12,6 +12,7 @@ from mechanics import Assembly, Block, Material, UnstableError, pushdown, pushov
 from mechanics.errors import CollapseError, RunawayError
 from mechanics.procedures.push_path import PUSHOVER, PushInput, PushPath, PushPoint
 from mechanics.steps.static_system import static_system
+from tests.support.contact_dynamics import motion
 from tests.support.drawn_projects import drawn, tables
 from tests.support.random_masonry import random_masonry
 from tests.support.structures import arch_on_piers, block_on_base, built, on_base, rectangle
@@ -290,6 +291,21 @@ def test_a_brick_that_slides_to_the_edge_and_tips_there_does_not_jump(seed, dire
     moved = curve.states[-1].positions[curve.block] - model.initial.positions[curve.block]
     half = 0.5 * np.ptp(model.blocks[curve.block].polygon[:, 0])
     assert abs(moved[0]) == pytest.approx(half, rel=5e-3)
+
+
+@pytest.mark.parametrize("seed", [0, 6])
+def test_a_step_does_not_pass_over_a_snap(seed):
+    """The arches were told 0.196 and 0.403 m by increments of 2 % of a block; contact dynamics falls where they do."""
+    model = random_masonry(seed)
+    way, told = (0.3 * model.size, 0.0), []
+    for part in (0.03, 0.01):
+        path = pushdown(model, "right", way, increment=part * model.size, to_collapse=True)
+        told.append(path.ultimate)
+    assert told[0] == pytest.approx({0: 0.1776, 6: 0.3047}[seed], rel=3e-3) and told[1] == pytest.approx(
+        told[0], rel=3e-3
+    )
+    moved = motion(model, np.zeros(3000), 1e-3, path.states[-1])[-1] - path.states[-1].positions
+    assert abs(moved[:, :2]).max() > model.size
 
 
 def test_what_falls_by_coulombs_law_as_a_support_moves_is_not_held_by_dilation():

@@ -200,7 +200,7 @@ def test_the_range_stands_beside_the_index_that_is_used():
 @pytest.mark.parametrize(
     ("low", "told"),
     [
-        (0.25, "an index or ratio falls to 0.25."),
+        (0.25, "an index or ratio may be as low as 0.25."),
         (0.0, "the index may vanish or be missing."),
     ],
 )
