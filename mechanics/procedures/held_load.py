@@ -1,7 +1,7 @@
-"""Loads that grow and are held: what a structure bears of a capacity curve that rises behind a trough.
+"""Whether a structure stands that is released, or under a load that grows and is held: a motion with inertia decides.
 
 Up to its first peak a curve is what a growing load does. Beyond, its equilibria are held by a push that is taken back
-as the structure moves; what a load does that is not taken back, a motion decides.
+as the structure moves; of a curve that rises behind a trough the motion tells what the structure bears.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from mechanics.types import GRAVITY, Array, Mask
 
 GROWS = 10.0  # √(L/g), L the extent of the structure: time in which a load grows
 HOLDS = 5  # √(L/g): time that it stays then, and again until all rests, up to so many times
-STEP, SNAPPED = 0.01, 0.004  # √(L/g): time steps, of loads that grow and of what is released
+STEP = 0.01  # √(L/g): time step
 DAMPED = 0.1  # of critical: elastic joints, which lose nothing at impacts
 RESOLVED = 0.95  # ratio of multipliers that are not told apart
 
@@ -33,13 +33,13 @@ def stands(
     time_history.
     """
     model = model.uncrushed if contacts == "rigid" else model
-    part = STEP if acceleration else SNAPPED
-    step = part * np.sqrt(np.ptp(model.initial.positions[:, :2], axis=0).max() / GRAVITY)
-    grows = np.linspace(0.0, acceleration, round(GROWS / part) + 1)
-    stays = np.full(round(HOLDS / part) + 1, acceleration)
+    step = STEP * np.sqrt(np.ptp(model.initial.positions[:, :2], axis=0).max() / GRAVITY)
+    grows = np.linspace(0.0, acceleration, round(GROWS / STEP) + 1)
+    stays = np.full(round(HOLDS / STEP) + 1, acceleration)
     damping = DAMPED if contacts == "elastic" and first_frequency(model) else 0.0
     begun = state.positions
-    for load in (*((grows,) if acceleration else ()), *HOLDS * (stays,)):
+    loads = [grows] if acceleration else []
+    for load in (*loads, *HOLDS * [stays]):
         try:
             with stretch(1.0, 1.0):  # the path is there
                 motion = time_history(

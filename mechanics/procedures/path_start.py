@@ -58,7 +58,7 @@ class PathStart:
 def mechanism_start(
     model: Assembly, direction: Direction, state: State | None, increment: float, sliding: Sliding
 ) -> PathStart:
-    """Return the onset of a rigid curve in a state that stands: the mechanism of limit analysis. Raises as limit_in.
+    """Return the onset of a rigid curve in a state at rest: the mechanism of limit analysis. Raises as limit_in.
 
     By Coulomb's law the least flow that is found in the state begins the curve, whatever forces a path has left there:
     these may press joints that nothing presses. `increment` (m): length of the curve's steps.

@@ -136,7 +136,7 @@ class PushPath:
         return [(one.displacement, two.displacement) for one, two in pairwise(self.points) if two.jumped]
 
     def _start(self, state: State | None) -> PathStart:
-        """Return the start of a curve from a state that is known to stand (None: as drawn)."""
+        """Return the start of a curve from a state at rest (None: as drawn)."""
         start = mechanism_start if self.system.rigid else elastic_start
         return start(self.model, self.push.direction, state, self.push.increment, self.system.sliding)
 

@@ -41,10 +41,7 @@ if TYPE_CHECKING:
 
 POINTS = 20_000  # most of a path that goes on to collapse
 FASTER = 3.0  # times the way to which the last step leads: blocks that go farther may have snapped
-KICKS = (
-    1e-3,
-    5e-3,
-)  # √(size·g): speeds with which what jumps is released along its jump: slower, it may linger
+KICKS = (1e-3, 5e-3)  # √(size·g): speeds along its jump with which what jumps is released
 
 
 @dataclass(frozen=True)
@@ -269,7 +266,9 @@ class Led:
     def step(self, guess: Array, by: float, lever: float, shortest: bool) -> bool:
         """Take a step of the supports, `by` (m) times a lever; return whether the blocks have jumped.
 
-        They jump where a motion with inertia comes to rest too. Raises RunawayError where it does not, else as `reach`.
+        Raises RunawayError where a motion with inertia, released along a jump, does not come to rest; ConvergenceError
+        where blocks go farther than the last step leads to and may have snapped: in the shortest step the same motion
+        decides. Other errors are those of `reach`.
         """
         before, system, far = self.last.state, self.last.system, self.last.system.model.farthest
         found, _, jumped = self.reach(guess, lever * by, shortest)

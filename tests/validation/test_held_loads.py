@@ -186,3 +186,29 @@ def test_contact_dynamics_falls_and_stands_where_a_part_snaps_on_a_moving_suppor
     snapped = motion(model, np.zeros(6000), 5e-4, replace(state, positions=moved))[-1] - moved
     assert (abs(snapped[:, :2]).max() > model.size) is np.bool_(falls)
     assert len(path.crossed) == (0 if falls else 1)
+
+
+def test_an_elastic_arch_does_not_stand_because_it_lingers_where_it_balances():
+    """Released at 0.001 √(size·g) alone it was told 0.222 m; at 0.005 it falls in its snap."""
+    model = random_masonry(120)
+    way = model.size * np.array([0.2, -0.1])
+    path = pushdown(model, "right", way, increment=0.02 * model.size, contacts="elastic", to_collapse=True)
+    assert path.ultimate == pytest.approx(0.1941, rel=5e-3)
+
+
+def test_an_arch_on_the_edge_of_its_snap_falls_at_the_slower_release():
+    """Eleven voussoirs, 1.5 m to the intrados, 0.276 m thick: released at 0.005 √(size·g) alone it was told 0.437 m."""
+    stone, ends = Material(20.0, 0.7), np.radians(np.linspace(158.8876, 21.1124, 12))
+    ray = np.column_stack([np.cos(ends), np.sin(ends)])
+    blocks = [
+        Block([1.5 * ray[k], 1.776 * ray[k], 1.776 * ray[k + 1], 1.5 * ray[k + 1]], 0.5, stone)
+        for k in range(11)
+    ]
+    for name, at, sign in (("left", ray[0], -1.0), ("right", ray[-1], 1.0)):
+        out = 0.3 * sign * np.array([at[1], -at[0]])
+        face = [1.5 * at, 1.776 * at, 1.776 * at + out, 1.5 * at + out]
+        blocks.append(Block(face, 0.5, stone, support=name))
+    model = Assembly(blocks)
+    way = model.size * np.array([0.2, -0.1])
+    path = pushdown(model, "right", way, increment=0.02 * model.size, to_collapse=True)
+    assert path.ultimate == pytest.approx(0.3752, rel=5e-3)
