@@ -319,7 +319,7 @@ def method_of(project: Project, hazard: HazardCurve | None) -> Method:
     assert assessment is not None
     limit = assessment.local_displacement_limit_m
     return Method(
-        behaviour_factor=assessment.behaviour_factor,
+        behaviour_factor=assessment.behaviour_factor, circular=str(assessment.circular),
         scaling="return_period" if assessment.method == "grid" else "shape",
         displacement_demand=assessment.record_demand if assessment.spectrum == "record" else "maximum",
         hazard=hazard, site_acceleration=site_acceleration(project),

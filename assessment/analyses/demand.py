@@ -108,6 +108,8 @@ def _at_height(ground: ElasticSpectrum, assessment: AssessmentTable) -> Spectrum
     first = floor_spectrum.first_mode(
         T_1, floor.storeys, floor.height_m, floor.building_height_m, floor.damping_ratio
     )
+    if assessment.circular == 2009:
+        return floor_spectrum.FloorSpectrum2009(ground, first)
     higher = zip(floor.higher_periods_s, floor.higher_participations, strict=True)
     return floor_spectrum.FloorSpectrum(
         ground,
@@ -120,7 +122,7 @@ def demand_parts(project: Project, demands: Demands) -> dict[str, parts.DemandSp
     assert project.assessment is not None
     found, periods = {}, demand_return_periods(project)
     for name, spectrum in demands.spectra.items():
-        rule = RULES.get(name)
+        rule = RULES.get((str(project.assessment.circular), name))
         part = _ordinates(spectrum, rule.damping if rule else ACTIVATION_DAMPING)
         if name in periods:
             part = part.replace(return_period_years=periods[name])

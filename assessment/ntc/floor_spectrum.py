@@ -1,7 +1,7 @@
-"""Spectrum at height for mechanisms above the ground: Circolare 7/2019, C7.2.3.
+"""Spectra at height for mechanisms above the ground: Circolare 7/2019, C7.2.3, and Circolare 617/2009, C8A.4.
 
-It has the interface of `Spectrum`, so that a check takes it in the place of the spectrum at the ground. It is nowhere
-below that one: a mechanism at height never bears more than it would at the ground. At the end how a demand
+Each has the interface of `Spectrum`, so that a check takes it in the place of the spectrum at the ground. None is
+anywhere below that one: a mechanism at height never bears more than it would at the ground. At the end how a demand
 spectrum follows the ground acceleration up to the capacity: S_S, T_D and, with the return period, F0 and T_C* depend on
 a_g, so the method must be declared (ζ_E).
 """
@@ -23,7 +23,8 @@ from mechanics.messages import Message, message
 from mechanics.types import GRAVITY, Array
 
 _LOWER, _UPPER = 0.8, 1.1  # a, b of C7.2.3: bounds of the resonance plateau over T_k
-_LAW = "Circolare 7/2019, C7.2.3"
+_LAW_2019 = "Circolare 7/2019, C7.2.3"
+_LAW_2009 = "Circolare 617/2009, C8A.4.2.3"
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,20 +63,10 @@ def first_mode(
 
 
 @dataclass(frozen=True)
-class FloorSpectrum:
-    """Floor spectrum S_eZ(T, ξ) = √Σ S_eZ,k² ≥ S_e(T, ξ) (Circolare 7/2019, C7.2.5–C7.2.10).
-
-    `ground` carries the hazard and, in its damping, that of the element (ξ); `modes` the first mode first.
-    That ξ_k enters A as a fraction and a_Z,k in % is inferred (A = 4.9 at 5 %). The circular writes S_eZ ≥ S_e for
-    T > T_1; here it holds at every period [k], since the modes alone vanish towards the ground.
-    Raises ArgumentError without a mode.
-    """
+class _OnGround:
+    """A demand at height over a spectrum at the ground, which carries the hazard."""
 
     ground: ElasticSpectrum
-    modes: tuple[Mode, ...]
-
-    def __post_init__(self) -> None:
-        require(len(self.modes) >= 1, "modes", self.modes, "one mode or more, the first mode first")
 
     @property
     def ag(self) -> float:
@@ -90,6 +81,22 @@ class FloorSpectrum:
     def with_damping(self, damping: float) -> Self:
         """Return the demand for an element of another damping (fraction of critical)."""
         return replace(self, ground=self.ground.with_damping(damping))
+
+
+@dataclass(frozen=True)
+class FloorSpectrum(_OnGround):
+    """Floor spectrum S_eZ(T, ξ) = √Σ S_eZ,k² ≥ S_e(T, ξ) (Circolare 7/2019, C7.2.5–C7.2.10).
+
+    `ground` carries the hazard and, in its damping, that of the element (ξ); `modes` the first mode first.
+    That ξ_k enters A as a fraction and a_Z,k in % is inferred (A = 4.9 at 5 %). The circular writes S_eZ ≥ S_e for
+    T > T_1; here it holds at every period [k], since the modes alone vanish towards the ground.
+    Raises ArgumentError without a mode.
+    """
+
+    modes: tuple[Mode, ...]
+
+    def __post_init__(self) -> None:
+        require(len(self.modes) >= 1, "modes", self.modes, "one mode or more, the first mode first")
 
     @property
     def T_1(self) -> float:
@@ -137,9 +144,9 @@ class FloorSpectrum:
         return (
             *ground,
             *modal,
-            step("S_eZ", "max(S_eZ_mod, S_e)", float(self.acceleration(T)), "g", f"{_LAW} (C7.2.5)",
+            step("S_eZ", "max(S_eZ_mod, S_e)", float(self.acceleration(T)), "g", f"{_LAW_2019} (C7.2.5)",
                  S_eZ_mod=S_eZ_mod, S_e=S_e),
-            step("S_DeZ", "max(S_eZ_mod*g*(T/(2*pi))**2, S_De)", float(self.displacement(T)), "m", _LAW,
+            step("S_DeZ", "max(S_eZ_mod*g*(T/(2*pi))**2, S_De)", float(self.displacement(T)), "m", _LAW_2019,
                  S_eZ_mod=S_eZ_mod, g=GRAVITY, T=T, S_De=S_De),
         )  # fmt: skip
 
@@ -161,7 +168,7 @@ class FloorSpectrum:
             lines += self._modal_steps(k, mode, T)
             squares[f"S_eZ_{k}"] = lines[-1].result
         formula = "sqrt(" + " + ".join(f"{name}**2" for name in squares) + ")"
-        total = step("S_eZ_mod", formula, float(self._modes(T)), "g", f"{_LAW} (C7.2.5)", **squares)
+        total = step("S_eZ_mod", formula, float(self._modes(T)), "g", f"{_LAW_2019} (C7.2.5)", **squares)
         return (*lines, total)
 
     def _peak(self, mode: Mode) -> float:
@@ -192,17 +199,74 @@ class FloorSpectrum:
         if "T_" in formula:
             numbers |= {"T": T, f"T_{k}": mode.period}
         return [
-            next(line for line in damped.steps(mode.period) if line.symbol == "S_e").replace(symbol="S_ek"),
+            _ground_step(damped, "S_e", mode.period).replace(symbol="S_ek"),
             step(f"a_Z_{k}", "S_ek*abs(gamma*psi)*sqrt(1 + 0.0004*(100*xi_k)**2)", a_Z, "g",
-                 f"{_LAW} (C7.2.7)", S_ek=S_ek, gamma=mode.gamma, psi=mode.psi, xi_k=xi),
-            step(f"A_{k}", "max(1, 1.1*eta/sqrt(xi_k))", A, "", f"{_LAW} (C7.2.8)", eta=self.ground.eta,
+                 f"{_LAW_2019} (C7.2.7)", S_ek=S_ek, gamma=mode.gamma, psi=mode.psi, xi_k=xi),
+            step(f"A_{k}", "max(1, 1.1*eta/sqrt(xi_k))", A, "", f"{_LAW_2019} (C7.2.8)", eta=self.ground.eta,
                  xi_k=xi),
-            step(f"S_eZ_{k}", formula, float(self._modal(mode, np.asarray(T))), "g", f"{_LAW} (C7.2.6)",
+            step(f"S_eZ_{k}", formula, float(self._modal(mode, np.asarray(T))), "g", f"{_LAW_2019} (C7.2.6)",
                  **numbers),
         ]  # fmt: skip
 
 
-Spectrum = ElasticSpectrum | RecordSpectrum | FloorSpectrum
+@dataclass(frozen=True)
+class FloorSpectrum2009(_OnGround):
+    """Demand at height of Circolare 617/2009, C8A.4.2 [k]: the larger of the ground's and of the floor's.
+
+    At the floor S_e(T_1) ψ γ R and S_De(T_1) ψ γ (T/T_1)² R, R = 1/√((1 − T/T_1)² + 0.02 T/T_1).
+    """
+
+    mode: Mode
+
+    def acceleration(self, T: ArrayLike) -> Array:
+        """Return the larger of S_e(T) and S_e(T_1) ψ γ/√((1 − T/T_1)² + 0.02 T/T_1), g; T in s."""
+        floor = self.ground.acceleration(self.mode.period) * self._amplification(T)
+        return np.maximum(self.ground.acceleration(T), floor)[()]
+
+    def displacement(self, T: ArrayLike) -> Array:
+        """Return the larger of S_De(T) and S_De(T_1) ψ γ (T/T_1)²/√((1 − T/T_1)² + 0.02 T/T_1), m; T in s."""
+        ratio = np.asarray(T, dtype=float) / self.mode.period
+        floor = self.ground.displacement(self.mode.period) * self._amplification(T) * ratio**2
+        return np.maximum(self.ground.displacement(T), floor)[()]
+
+    def largest_displacement(self, T_0: float, T: float) -> tuple[float, float]:
+        """Return the demand at T (m) and T, or the ground's largest over [T_0, T] and its period, if that is larger."""
+        return max(
+            (float(self.displacement(T)), T), self.ground.largest_displacement(T_0, T), key=lambda f: f[0]
+        )
+
+    def demand_steps(self, T_0: float, T: float) -> Trace:
+        """Return the calculation of largest_displacement(T_0, T) by hand."""
+        at = self.largest_displacement(T_0, T)[1]
+        return self.steps(T) if at == T else self.ground.steps(at)
+
+    def steps(self, T: float) -> Trace:
+        """Return the demand at height by hand."""
+        T_1 = self.mode.period
+        shape = {"psi": self.mode.psi, "gamma": self.mode.gamma, "T": T, "T_1": T_1}
+        S_e, S_De = float(self.ground.acceleration(T)), float(self.ground.displacement(T))
+        first, second = (_ground_step(self.ground, symbol, T_1) for symbol in ("S_e", "S_De"))
+        resonance = "psi*gamma/sqrt((1 - T/T_1)**2 + 0.02*T/T_1)"
+        return (
+            *self.ground.steps(T),
+            first.replace(symbol="S_e_1"),
+            second.replace(symbol="S_De_1"),
+            step("S_eZ", f"max(S_e, S_e_1*{resonance})", float(self.acceleration(T)), "g", _LAW_2009,
+                 S_e=S_e, S_e_1=first.result, **shape),
+            step("S_DeZ", f"max(S_De, S_De_1*(T/T_1)**2*{resonance})", float(self.displacement(T)), "m",
+                 _LAW_2009, S_De=S_De, S_De_1=second.result, **shape),
+        )  # fmt: skip
+
+    def _amplification(self, T: ArrayLike) -> Array:
+        ratio = np.asarray(T, dtype=float) / self.mode.period
+        return self.mode.psi * self.mode.gamma / np.sqrt((1.0 - ratio) ** 2 + 0.02 * ratio)
+
+
+def _ground_step(ground: ElasticSpectrum, symbol: str, T: float) -> Line:
+    return next(line for line in ground.steps(T) if line.symbol == symbol)
+
+
+Spectrum = ElasticSpectrum | RecordSpectrum | FloorSpectrum | FloorSpectrum2009
 """What a check takes as the demand."""
 Demand = Callable[[Spectrum], float]
 _LOW, *_, _HIGH = RETURN_PERIODS.tolist()
@@ -222,7 +286,7 @@ def spectrum_at_return_period(
     def at(T_R: float) -> Spectrum:
         own = hazard.at(min(max(T_R, _LOW), _HIGH))
         there = replace(ground, ag=own.ag, F0=own.F0, Tc_star=own.Tc_star)
-        return replace(spectrum, ground=there) if isinstance(spectrum, FloorSpectrum) else there
+        return replace(spectrum, ground=there) if isinstance(spectrum, _OnGround) else there
 
     def excess(log_T_R: float) -> float:
         return demand(at(exp(log_T_R))) / capacity - 1.0

@@ -1,13 +1,13 @@
 """Checks of the limit states: how they are made, and the a_g that a capacity bears under a demand's spectrum.
 
-NTC 2018, §8.3 (ζ_E); Circolare 7/2019, C8.7.1.2.
+NTC 2018, §8.3 (ζ_E); Circolare 7/2019, C8.7.1.2; Circolare 617/2009, C8A.4.
 """
 
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import inf, pi, sqrt
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -30,23 +30,30 @@ NOTHING = dict.fromkeys((  # numbers of a check whose capacity is not defined
 ))  # fmt: skip
 
 
-class Nonlinear(NamedTuple):
-    """Displacement limit as a share of d_0, T = factor π √(d/a), damping."""
+@dataclass(frozen=True, slots=True)
+class Nonlinear:
+    """Displacement limit as a share of d_0, T = factor π √(d/a) at `secant` of the limit, damping."""
 
     share: float
+    secant: float
     factor: float
     damping: float
 
 
-RULES = {"SLV": Nonlinear(0.40, 1.68, 0.08), "SLC": Nonlinear(0.60, 1.56, 0.10)}
-LAW = "Circolare 7/2019, C8.7.1.2"
+RULES = {
+    ("2019", "SLV"): Nonlinear(0.40, 1.0, 1.68, 0.08),
+    ("2019", "SLC"): Nonlinear(0.60, 1.0, 1.56, 0.10),
+    ("2009", "SLV"): Nonlinear(0.40, 0.4, 2.00, 0.05),
+}
+LAW = {"2019": "Circolare 7/2019, C8.7.1.2", "2009": "Circolare 617/2009, C8A.4.2.3"}
 
 
 @dataclass(frozen=True)
 class Method:
     """How the checks are made.
 
-    behaviour_factor: q of the linear check. scaling: how the demand spectrum follows a_g to the capacity:
+    behaviour_factor: q of the linear check. circular: "2019", or "2009" (secant at 0.4 d_u, 5 % damping, no
+    lower bound by activation; SLV only) [k]. scaling: how the demand spectrum follows a_g to the capacity:
     "shape" keeps its shape (S_S and T_D with it) and scales it; "return_period" moves along `hazard` until
     the spectrum of that return period meets the capacity. displacement_demand: "maximum" of S_De over
     [T_0, T], which differs from S_De(T) for records and beyond T_E; "at_period": S_De(T), as in the paper.
@@ -57,6 +64,7 @@ class Method:
     """
 
     behaviour_factor: float = 2.0
+    circular: str = "2019"
     scaling: str = "shape"
     displacement_demand: str = "maximum"
     hazard: HazardCurve | None = None
@@ -67,6 +75,7 @@ class Method:
 
     def __post_init__(self) -> None:
         require(self.behaviour_factor >= 1.0, "behaviour_factor", self.behaviour_factor, "1 or more")
+        require(self.circular in {"2019", "2009"}, "circular", self.circular, '"2019" or "2009"')
         require(self.scaling in {"shape", "return_period"}, "scaling", self.scaling, "shape or return_period")
         known = self.displacement_demand in {"maximum", "at_period"}
         require(known, "displacement_demand", self.displacement_demand, "maximum or at_period")
@@ -106,7 +115,7 @@ def verify(
         require(state in EXCEEDANCE, "limit state", state, "one of SLO, SLD, SLV, SLC")
         if state in {"SLO", "SLD"}:
             checks[state] = check_linear(capacity, state, spectrum, method)
-            if capacity.T_0 is not None:
+            if capacity.T_0 is not None and method.circular == "2019":
                 solved = _solve_elastic(capacity, spectrum, method)
                 checks[f"{state} elastic"] = _check(state, solved, capacity, spectrum, method, "elastic")
             continue
@@ -130,20 +139,20 @@ def check_linear(capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, 
     """Return the linear kinematic check of a_0* = α0/(e* F_C), of the rigid multiplier (Circolare 7/2019, C8.7.1.2).
 
     At the ground a_0* ≥ a_g S/q, at height a_0* ≥ a_Z(z)/q with a_Z = S_e(T_1) |γ ψ| √(1 + 0.0004 ξ²), not below
-    a_g S; q = 1 at SLO and SLD, the behaviour factor at SLV.
+    a_g S (2009: S_e(T_1) ψ γ); q = 1 at SLO and SLD, the behaviour factor at SLV.
     """
-    q = method.behaviour_factor if limit_state in INDEXED else 1.0
+    q, law = method.behaviour_factor if limit_state in INDEXED else 1.0, LAW[method.circular]
     solved = _solve_linear(capacity, spectrum, method, q)
     check = _check(limit_state, solved, capacity, spectrum, method, "linear")
     by_site, a_g = limit_state in method.site_acceleration, check.demand_a_g_g
     S, at_rest = 1.0 if by_site else spectrum.S, float(spectrum.acceleration(0.0))
     if by_site or at_rest <= a_g * S * (1.0 + 1e-9):
-        steps: Trace = (step("a_demand", "a_g_demand*S_demand/q", a_g * S / q, "g", LAW, a_g_demand=a_g,
+        steps: Trace = (step("a_demand", "a_g_demand*S_demand/q", a_g * S / q, "g", law, a_g_demand=a_g,
                              S_demand=S, q=q),)  # fmt: skip
     else:
         steps = (
             *spectrum.with_damping(ACTIVATION_DAMPING).steps(0.0),
-            step("a_demand", "S_eZ/q", at_rest / q, "g", LAW, S_eZ=at_rest, q=q),
+            step("a_demand", "S_eZ/q", at_rest / q, "g", law, S_eZ=at_rest, q=q),
         )
     return check.replace(demand_a_star_g=steps[-1].result, trace=[*check.trace, *steps])
 
@@ -151,26 +160,29 @@ def check_linear(capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, 
 def check_nonlinear(
     capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method | None = None
 ) -> Check:
-    """Return the nonlinear kinematic check at SLV or SLC (Circolare 7/2019, C8.7.1.2).
+    """Return the nonlinear kinematic check at SLV or SLC (Circolare 7/2019, C8.7.1.2, or that of 2009).
 
     d_SLV = min(0.40 d_0, local limit, end of the elastic curve), d_SLC = min(0.60 d_0, the same), T = 1.68 π √(d/a) at
     8 % damping or 1.56 π √(d/a) at 10 %; a_g solves S_De(T) = d, is not below activation, and at SLV not above that at
-    which the same spectrum reaches d_SLC: a structure past SLC is past SLV. Raises
-    CapacityError where no d or a is left.
+    which the same spectrum reaches d_SLC: a structure past SLC is past SLV. 2009: d_u = min(0.40 d_0, local limit),
+    T_s = 2π √(d_s/a_s) at d_s = 0.4 d_u, S_De(T_s, 5 %) = d_u. Raises CapacityError where no d or a is left.
     """
     method = method or Method()
     solved = _solve_displacement(capacity, limit_state, spectrum, method)
-    if limit_state == "SLV":
-        with suppress(CapacityError):
-            solved = _first(solved, _solve_displacement(capacity, "SLC", spectrum, method))
-    # where the curve is left: at a_y* and T_0, or at a_0* where it is rigid
-    active = (_solve_linear if capacity.T_0 is None else _solve_elastic)(capacity, spectrum, method)
-    line = step(f"a_g_{limit_state}", "max(a_g_nonlinear, a_g_act)", max(solved.a_g, active.a_g), "g",
-                LAW, a_g_nonlinear=solved.a_g, a_g_act=active.a_g)  # fmt: skip
-    steps = (*solved.steps, *active.steps, line)
-    if active.a_g > solved.a_g:
-        solved = replace(solved, a_g=active.a_g, base=active.base, governing="activation", notes=active.notes)
-    solved = replace(solved, steps=steps)
+    if method.circular == "2019":
+        if limit_state == "SLV":
+            with suppress(CapacityError):
+                solved = _first(solved, _solve_displacement(capacity, "SLC", spectrum, method))
+        # where the curve is left: at a_y* and T_0, or at a_0* where it is rigid
+        active = (_solve_linear if capacity.T_0 is None else _solve_elastic)(capacity, spectrum, method)
+        line = step(f"a_g_{limit_state}", "max(a_g_nonlinear, a_g_act)", max(solved.a_g, active.a_g), "g",
+                    LAW["2019"], a_g_nonlinear=solved.a_g, a_g_act=active.a_g)  # fmt: skip
+        steps = (*solved.steps, *active.steps, line)
+        if active.a_g > solved.a_g:
+            solved = replace(
+                solved, a_g=active.a_g, base=active.base, governing="activation", notes=active.notes
+            )
+        solved = replace(solved, steps=steps)
     return _check(limit_state, solved, capacity, spectrum, method, "nonlinear")
 
 
@@ -179,7 +191,7 @@ def _first(life: Solved, collapse: Solved) -> Solved:
     if collapse.a_g >= life.a_g:
         return life
     *steps, last = collapse.steps
-    line = step("a_g_nonlinear", "min(a_g_life, a_g_collapse)", collapse.a_g, "g", LAW,
+    line = step("a_g_nonlinear", "min(a_g_life, a_g_collapse)", collapse.a_g, "g", LAW["2019"],
                 a_g_life=life.a_g, a_g_collapse=collapse.a_g)  # fmt: skip
     steps = [*life.steps[:-1], life.steps[-1].replace(symbol="a_g_life"), *steps,
              last.replace(symbol="a_g_collapse"), line]  # fmt: skip
@@ -209,7 +221,7 @@ def _check(
     given = limit_state in method.site_acceleration
     pga, demanded = a_g * S, demand * S_demand
     zeta = pga / demanded
-    law = "NTC 2018, §8.3" if limit_state == INDEX else LAW
+    law = "NTC 2018, §8.3" if limit_state == INDEX else LAW[method.circular]
     lines = [
         datum("a_g_demand", demand, "g", "a_g S of the site" if given else "hazard of the site, or peak of the record"),
         step("PGA_capacity", "S_capacity*a_g_capacity", pga, "g", _SURFACE_LAW, S_capacity=S, a_g_capacity=a_g),
@@ -272,7 +284,7 @@ def _solve_acceleration(
     if q != 1.0:
         name, formula, governing = "a_g_linear", f"q*{formula}", "q times activation"
         numbers["q"] = q
-    line = step(name, formula, a_g, "g", LAW, **numbers)
+    line = step(name, formula, a_g, "g", LAW[method.circular], **numbers)
     return Solved(d_star, a_star, T, a_g, base, ACTIVATION_DAMPING, governing, (*base.steps(T), line), notes)
 
 
@@ -280,14 +292,24 @@ def _solve_displacement(
     capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method
 ) -> Solved:
     """Return where S_De(T) = d at the displacement limit d, T from the secant of the capacity curve."""
-    rule = RULES[limit_state]
+    rule = RULES.get((method.circular, limit_state))
+    if rule is None:
+        none = message("{limit}: the circular of {year} has no nonlinear check for it", limit=limit_state,
+                       year=method.circular)  # fmt: skip
+        raise CapacityError(none)
     d, governing, first = _limit(capacity, limit_state, method, rule)
-    a = capacity.a_star(d)
+    lines = [first]
+    d_secant, name = d, limit_state
+    if rule.secant != 1.0:
+        d_secant, name = rule.secant * d, "s"
+        lines.append(step("d_s", f"{rule.secant:g}*{first.symbol}", d_secant, "m", LAW[method.circular],
+                          **{first.symbol: d}))  # fmt: skip
+    a = capacity.a_star(d_secant)
     if a <= 0.0:
         none = message("{limit}: no acceleration capacity is left at d* = {displacement:.6g} m", limit=limit_state,
-                       displacement=d)  # fmt: skip
+                       displacement=d_secant)  # fmt: skip
         raise CapacityError(none)
-    T, T_0 = rule.factor * pi * sqrt(d / (a * GRAVITY)), capacity.T_0 or 0.0
+    T, T_0 = rule.factor * pi * sqrt(d_secant / (a * GRAVITY)), capacity.T_0 or 0.0
     largest = method.displacement_demand == "maximum"
 
     def demand(s: Spectrum) -> float:
@@ -304,16 +326,15 @@ def _solve_displacement(
             limit=limit_state, at=at, T=T, least=base.ag * d / highest, a_g=a_g,
         )  # fmt: skip
         notes = (*notes, larger)
-    k = int(np.clip(np.searchsorted(capacity.displacement, d), 1, len(capacity.displacement) - 1))
+    k = int(np.clip(np.searchsorted(capacity.displacement, d_secant), 1, len(capacity.displacement) - 1))
     (d_1, d_2), (a_1, a_2) = capacity.displacement[k - 1 : k + 1], capacity.acceleration[k - 1 : k + 1]
-    lines = [
-        first,
-        step(f"a_{limit_state}", "a_1 + (a_2 - a_1)*(d - d_1)/(d_2 - d_1)", a, "g", "capacity curve", a_1=a_1, a_2=a_2,
-             d=d, d_1=d_1, d_2=d_2),
-        step(f"T_{limit_state}", f"{rule.factor:g}*pi*sqrt(d/(a*g))", T, "s", LAW, d=d, a=a,
+    lines += [
+        step(f"a_{name}", "a_1 + (a_2 - a_1)*(d - d_1)/(d_2 - d_1)", a, "g", "capacity curve", a_1=a_1, a_2=a_2,
+             d=d_secant, d_1=d_1, d_2=d_2),
+        step(f"T_{name}", f"{rule.factor:g}*pi*sqrt(d/(a*g))", T, "s", LAW[method.circular], d=d_secant, a=a,
              g=GRAVITY),
         *(base.demand_steps(T_0, T) if largest else base.steps(T)),
-        step("a_g_nonlinear", "a_g*d/S_De", a_g, "g", LAW, a_g=base.ag, d=d, S_De=S_De),
+        step("a_g_nonlinear", "a_g*d/S_De", a_g, "g", LAW[method.circular], a_g=base.ag, d=d, S_De=S_De),
     ]  # fmt: skip
     return Solved(d, a, T, a_g, base, rule.damping, governing, tuple(lines), notes)
 
@@ -330,7 +351,8 @@ def _limit(
             limit=limit_state, displacement=float(capacity.displacement[-1]),
         )  # fmt: skip
         raise CapacityError(positive)
-    symbol, share, law = f"d_{limit_state}", f"{rule.share:g}*d_0_star", LAW
+    symbol = "d_u" if method.circular == "2009" else f"d_{limit_state}"
+    share, law = f"{rule.share:g}*d_0_star", LAW[method.circular]
     d, governing = rule.share * d_0, f"{rule.share:.2f} d_0"
     local, elastic = method.local_limits.get(limit_state), capacity.fit.elastic_end
     limits = {"d_local": (local, "local limit"), "d_elastic": (elastic, "end of the elastic curve")}

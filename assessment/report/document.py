@@ -183,7 +183,8 @@ def references(results: Results) -> list[str]:
     report, full = results.echo.report, results.echo.report.get("annexes") == "full"
     site = assessment.get("site") or {}
     used = {
-        "circular": bool(assessment),
+        "circular_2019": bool(assessment) and assessment.get("circular", 2019) == 2019,
+        "circular_2009": assessment.get("circular") == 2009,
         "hazard": "latitude" in site and site["latitude"] is not None,
         "heritage": bool(report.get("protection") or (results.knowledge and results.knowledge.components)),
         "sismabonus": used_as(results, RISK),

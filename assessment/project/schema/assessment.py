@@ -120,6 +120,9 @@ class FloorTable(ProjectTable):
         if len(self.higher_periods_s) != len(self.higher_participations):
             text = f"{len(self.higher_participations)} of {len(self.higher_periods_s)}; write one γ_k ψ_k for each of "
             yield "higher_participations", f"{text}higher_periods_s, in the same order"
+        if project.assessment and self.higher_periods_s and project.assessment.circular == 2009:
+            text = "the circular of 2009 knows the first mode alone; leave it out or write circular = 2019"
+            yield "higher_periods_s", text
         if project.assessment and project.assessment.spectrum == "record":
             yield (), 'a record is taken as that of the ground; write spectrum = "ntc" or leave it out'
 
@@ -199,6 +202,7 @@ class AssessmentTable(ProjectTable):
         "capacity a_g by scaling the demand spectrum, or by return period iterated on the grid",
         "demand-shape",
     )
+    circular: Literal[2019, 2009] = entry("circular whose rules apply: 2019 or 2009", 2019)
     record_demand: Literal["at_period", "maximum"] = entry(
         "displacement demand of a record: at_period T, as in the paper, or maximum over [T_0, T]", "at_period"
     )

@@ -173,7 +173,7 @@ def onsets(results: Results, words: Words) -> Sentences:
 def displacement_limits(results: Results, words: Words) -> Sentences:
     """Yield where the displacement limits come from: shares of d_0, a local limit, the end of an elastic curve."""
     given = results.echo.assessment or {}
-    yield words("text.limits")
+    yield words(f"text.limits_{given.get('circular', 2019)}")
     checks = [(name, check) for _, _, each in capacities(results) for name, check in each.checks.items()]
     if {"SLV linear", "SLV"} <= {name for name, _ in checks}:
         yield words("text.linear_beside")

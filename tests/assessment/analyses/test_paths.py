@@ -143,6 +143,8 @@ def test_the_limits_are_those_of_the_checks_that_were_made():
     assert "linear check (SLV, linear" in limits_told(results, "en")
     check["governing"] = "end of the elastic curve"
     assert ELASTIC_END in limits_told(results, "en")
+    results["echo"]["assessment"]["circular"] = 2009
+    assert "617/2009" in limits_told(results, "en") and "7/2019" not in limits_told(results, "en")
 
 
 BEAM = """title = "Beam on two piers"

@@ -1,4 +1,4 @@
-"""Floor spectra begin at the ground: a mechanism at height never sees less than it (C7.2.3)."""
+"""Floor spectra begin at the ground: a mechanism at height never sees less than it (C7.2.3; C8A.4.2.3 of 2009)."""
 
 import itertools
 
@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from assessment.ntc.capacity_curve import capacity_curve
 from assessment.ntc.curve_fit import fit_curve, fit_rigid
-from assessment.ntc.floor_spectrum import FloorSpectrum, Mode, first_mode
+from assessment.ntc.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
 from assessment.ntc.spectrum import ElasticSpectrum
-from assessment.ntc.verification import verify
+from assessment.ntc.verification import Method, verify
 from assessment.results.schema.part import plain
 from assessment.workflow.stages import run
 from tests.support.block_project import HAZARD, PUSHED, block, write_block
@@ -22,8 +22,9 @@ H = 10.0  # m, height of the building
 STATES = ("SLD", "SLV", "SLC")
 
 
-def floor_spectrum(ground, z, period=0.4, storeys=3, higher=()):
-    return FloorSpectrum(ground, (first_mode(period, storeys, z, H), *higher))
+def floor_spectrum(circular, ground, z, period=0.4, storeys=3, higher=()):
+    first = first_mode(period, storeys, z, H)
+    return FloorSpectrum2009(ground, first) if circular == "2009" else FloorSpectrum(ground, (first, *higher))
 
 
 def capacity(alpha_0, d_0, model="none", e_star=0.75, gamma_star=0.66):
@@ -43,13 +44,15 @@ def grounds(draw):
 
 
 @given(
-    ground=grounds(), period=st.floats(0.05, 1.5),
+    ground=grounds(), circular=st.sampled_from(["2019", "2009"]), period=st.floats(0.05, 1.5),
     storeys=st.integers(1, 8), z=st.floats(0.0, H), damping=st.sampled_from([0.05, 0.08, 0.10]),
 )  # fmt: skip
 @settings(max_examples=15)
-def test_the_spectrum_at_height_is_nowhere_below_that_of_the_ground(ground, period, storeys, z, damping):
+def test_the_spectrum_at_height_is_nowhere_below_that_of_the_ground(
+    ground, circular, period, storeys, z, damping
+):
     """S_eZ(T) ≥ S_e(T) and S_DeZ(T) ≥ S_De(T) for every T, so a_Z ≥ a_g S."""
-    floor = floor_spectrum(ground, z, period, storeys).with_damping(damping)
+    floor = floor_spectrum(circular, ground, z, period, storeys).with_damping(damping)
     under = ground.with_damping(damping)
     assert (floor.acceleration(PERIODS) >= under.acceleration(PERIODS)).all()
     assert (floor.displacement(PERIODS) >= under.displacement(PERIODS)).all()
@@ -59,18 +62,21 @@ def test_the_spectrum_at_height_is_nowhere_below_that_of_the_ground(ground, peri
 
 
 @given(
-    ground=grounds(), period=st.floats(0.05, 1.5),
+    ground=grounds(), circular=st.sampled_from(["2019", "2009"]), period=st.floats(0.05, 1.5),
     alpha_0=st.floats(0.03, 0.4), d_0=st.floats(0.02, 4.0), model=st.sampled_from(["none", "trilinear"]),
 )  # fmt: skip
 @settings(max_examples=15)
-def test_capacity_starts_at_the_ground_and_never_rises_with_height(ground, period, alpha_0, d_0, model):
+def test_capacity_starts_at_the_ground_and_never_rises_with_height(
+    ground, circular, period, alpha_0, d_0, model
+):
     """A sweep of z from 0 to H; d_0 up to 4 m takes T past T_E, where the ground's S_De falls."""
-    curve = capacity(alpha_0, d_0, model)
+    limits = STATES if circular == "2019" else ("SLD", "SLV")
+    method, curve = Method(circular=circular), capacity(alpha_0, d_0, model)
 
     def borne(spectrum):
-        return [check.a_g_g for check in verify(curve, dict.fromkeys(STATES, spectrum)).values()]
+        return [check.a_g_g for check in verify(curve, dict.fromkeys(limits, spectrum), method).values()]
 
-    at = [borne(floor_spectrum(ground, z, period)) for z in np.linspace(0.0, H, 6)]
+    at = [borne(floor_spectrum(circular, ground, z, period)) for z in np.linspace(0.0, H, 6)]
     np.testing.assert_allclose(at[0], borne(ground), rtol=1e-12)
     for lower, higher in itertools.pairwise(at):
         assert all(b <= a * (1.0 + 1e-12) for a, b in zip(lower, higher, strict=True))
@@ -81,7 +87,7 @@ def test_the_higher_of_modes_and_ground_is_traced_by_hand():
     ground = ElasticSpectrum(0.25, 2.4, 0.5, "D")
     governs = set()
     for z, T in itertools.product((0.0, 0.3, 2.0, 9.0), (0.0, 0.2, 0.43, 0.45, 0.6, 3.0, 7.0)):
-        floor = floor_spectrum(ground, z, higher=(Mode(0.13, -0.4, 0.1),))
+        floor = floor_spectrum("2019", ground, z, higher=(Mode(0.13, -0.4, 0.1),))
         lines = floor.demand_steps(0.0, T) if T else floor.steps(T)
         for line in lines:
             if line.formula:
@@ -108,14 +114,16 @@ def test_modes_are_added_by_the_root_of_their_squares_by_hand():
     assert float(twice.acceleration(0.0)) == pytest.approx(2.0 * 0.2483275, abs=2e-6)
 
 
-def test_a_height_of_zero_means_the_ground(tmp_path):
+@pytest.mark.parametrize("circular", [2019, 2009])
+def test_a_height_of_zero_means_the_ground(tmp_path, circular):
     """It divided by zero."""
     from assessment.project.model import build_model
     from assessment.project.project import load_project
 
     site = f'[assessment.site]\nsoil = "B"\n{HAZARD}'
     floor = f"[assessment.floor]\nheight_m = 0\nbuilding_height_m = {H}\nstoreys = 2\nperiod_s = 0.3\n"
-    tables = '[assessment]\nlimit_states = ["SLD", "SLV"]\nmodel = "none"\n'
+    limits = '["SLD", "SLV"]'
+    tables = f'[assessment]\ncircular = {circular}\nlimit_states = {limits}\nmodel = "none"\n'
     found = []
     for name, text in (("ground", tables + site), ("floor", tables + floor + site)):
         project = load_project(write_block(tmp_path / name, block() + PUSHED + text))

@@ -8,7 +8,7 @@ import pytest
 
 from assessment.ntc.capacity_curve import Activation, capacity_curve, participation
 from assessment.ntc.curve_fit import CurveFit, Way, fit_curve, fit_rigid
-from assessment.ntc.floor_spectrum import FloorSpectrum, Mode, first_mode
+from assessment.ntc.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
 from assessment.ntc.hazard import HazardCurve, return_period_steps, site_curve
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.ntc.tables import return_period
@@ -123,6 +123,20 @@ def test_references_by_hand():
     assert (of_record.reference, of_record.pga_g) == ("surface", of_record.a_g_g)
 
 
+def test_circular_of_2009_by_hand():
+    """Same block: d_u* = 0.4·0.3 = 0.12 m; d_s = 0.4·0.12 = 0.048 m, a_s = 0.84·0.142857 = 0.12 g.
+
+    T_s = 2π √(0.048/(0.12·9.80665)) = 2π·0.201962 = 1.268965 s; S_e = 0.25·2.4·0.3/1.268965 = 0.141848 g,
+    S_De = 0.141848·9.80665·(1.268965/2π)² = 0.0567392 m, a_g = 0.25·0.12/0.0567392 = 0.528735 g.
+    """
+    checks = verify(_block(), {"SLV": SOIL_A, "SLC": SOIL_A}, Method(circular="2009"))
+    np.testing.assert_allclose(checks["SLV"].T_s, 1.268965, rtol=1e-6)
+    assert checks["SLV"].a_g_g == pytest.approx(0.528735, rel=2e-6)
+    assert checks["SLV"].damping == 0.05
+    assert checks["SLC"].a_g_g is None
+    assert "2009" in checks["SLC"].notes[0]
+
+
 def test_linear_check_at_the_ground_by_hand():
     """a_0* = 0.1273/(0.7574·1.35) = 0.124500 g; soil B, a_g = 0.261 g, F0 = 2.36: S = 1.4 − 0.4·2.36·0.261 = 1.153616.
 
@@ -142,7 +156,7 @@ def test_linear_check_at_the_ground_by_hand():
 def test_linear_check_at_height_by_hand():
     """T_1 = 0.5 s, γ = 1.2, soil A, a_g = 0.25 g: S_e(T_1) = 0.25·2.4·0.3/0.5 = 0.36 g; q = 2, a_0* = 1/7 g.
 
-    ψ = 1: a_Z = 0.36·1.2·√(1 + 0.0004·25) = 0.434155 g, a_Z/q = 0.217077 g,
+    ψ = 1: a_Z = 0.36·1.2·√(1 + 0.0004·25) = 0.434155 g (2009: 0.432 g), a_Z/q = 0.217077 g,
     a_g = 0.25·0.142857/0.217077 = 0.164523 g. ψ = 0.5: a_Z = 0.217077 g < a_g S = 0.25 g, which counts:
     a_g S/q = 0.125 g.
     """
@@ -152,6 +166,10 @@ def test_linear_check_at_height_by_hand():
         assert check.demand_a_star_g == pytest.approx(demand, abs=1e-6)
         assert check.a_g_g == pytest.approx(a_g, abs=1e-6)
         assert check.zeta_E == pytest.approx(check.a_star_g / check.demand_a_star_g)
+    floor = FloorSpectrum2009(SOIL_A, Mode(0.5, 1.2, 1.0))
+    assert verify(_block(), {"SLD": floor}, Method(circular="2009"))["SLD"].demand_a_star_g == pytest.approx(
+        0.432
+    )
 
 
 def test_activation_with_an_elastic_branch():
@@ -334,6 +352,16 @@ def test_mechanism_at_height():
     assert checks["SLC"].a_g_g / 0.25 * demand == pytest.approx(checks["SLC"].d_star_m, rel=1e-10)
 
 
+def test_mechanism_at_height_2009():
+    """ψ = 0.5, γ = 1.2, T_1 = 0.5: S_e(T_1) ψ γ = 0.216 g < a_g S = 0.25 g, so the ground governs."""
+    floor = FloorSpectrum2009(SOIL_A, Mode(0.5, 1.2, 0.5))
+    assert floor.acceleration(0.0) == pytest.approx(0.25)
+    assert FloorSpectrum2009(SOIL_A, Mode(0.5, 1.2, 1.0)).acceleration(0.0) == pytest.approx(0.432)
+    ratio = 1.268965 / 0.5
+    amplified = 0.6 * ratio**2 / np.sqrt((1 - ratio) ** 2 + 0.02 * ratio) * SOIL_A.displacement(0.5)
+    assert floor.displacement(1.268965) == pytest.approx(max(amplified, SOIL_A.displacement(1.268965)))
+
+
 def _traces(hazard):
     floor = FloorSpectrum(SOIL_A, (first_mode(0.4, 3, 7.0, 10.0), Mode(0.13, -0.4, 0.6)))
     cases = [
@@ -343,6 +371,8 @@ def _traces(hazard):
         ("trilinear", RECORD, Method(displacement_demand="at_period", site_acceleration={"SLV": 0.3})),
         ("none", floor, Method()),
         ("trilinear", floor, Method()),
+        ("none", SOIL_A, Method(circular="2009")),
+        ("none", FloorSpectrum2009(SOIL_A, Mode(0.5, 1.2, 0.5)), Method(circular="2009")),
     ]
     for model, spectrum, method in cases:
         for d_0 in (0.02, 0.3, 3.0):

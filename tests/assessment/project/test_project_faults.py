@@ -146,6 +146,13 @@ WRONG = [
     ),
     (BEFORE_REPORT, MECHANISM + "blocks = [1]\nrotation = 0\n", "mechanism[1].rotation", "does not move"),
     (BEFORE_REPORT, MECHANISM + 'blocks = [1]\nstate = "settled"\n', "mechanism[1].state", '"original"'),
+    (
+        'spectrum = "ntc"',
+        'spectrum = "ntc"\ncircular = 2009\nfloor = {height_m = 1, building_height_m = 2, storeys = 1, period_s = 0.2, '
+        "higher_periods_s = [0.1], higher_participations = [0.2]}",
+        "assessment.floor.higher_periods_s",
+        "first mode alone",
+    ),
     (BEFORE_REPORT, FLOOR.replace("7.0", "12.0"), "assessment.floor.height_m", "above building_height_m"),
     (
         BEFORE_REPORT, FLOOR.replace("10.0", "41.0").replace("period_s = 0.4\n", ""), "assessment.floor.period_s",

@@ -28,7 +28,7 @@ CONTENT = {
     "pushover": {"contacts": ["rigid", "elastic"], "control": {"+x": "C1", "-x": "C2"}},
     "history": [{"record": "a.acc", "window_s": "arias"}, {"record": "a.acc", "window_s": [1.5, 3]}],
     "incremental": {"records": ["*.acc", '"b"; c.acc'], "max_scale": 2},
-    "assessment": {"behaviour_factor": 2, "site": {"soil": "B", "SLD": HAZARD, "SLV": HAZARD, "SLC": HAZARD}},
+    "assessment": {"circular": 2009, "site": {"soil": "B", "SLD": HAZARD, "SLV": HAZARD, "SLC": HAZARD}},
     "report": {"client": "=not a formula", "location": "C:\\temp"},
 }
 
@@ -138,11 +138,11 @@ def test_numbers_of_a_list_are_told_apart_however_they_are_written(folder, text)
 def test_cells_are_read_as_their_keys_ask(folder):
     project = changed(
         folder, ("layers", "A2", 0), ("project", "B2", 1854), ("geometry", "A5", "segments_per_joint"),
-        ("geometry", "B5", "2"), ("assessment", "B2", 2), ("settlements", "D1", "to_collapse"),
+        ("geometry", "B5", "2"), ("assessment", "B2", 2019.0), ("settlements", "D1", "to_collapse"),
         ("settlements", "D2", "TRUE"), ("incremental", "B2", "a.acc"),
     )  # fmt: skip
     assert "0" in project.layers and project.title == "1854"
-    assert project.geometry.segments_per_joint == 2 and project.assessment.behaviour_factor == 2.0
+    assert project.geometry.segments_per_joint == 2 and project.assessment.circular == 2019
     assert project.settlements[0].to_collapse is True
 
 

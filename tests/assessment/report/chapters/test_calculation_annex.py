@@ -62,7 +62,8 @@ VARIANTS = {
     "floor": "[assessment]\n" + TYPED + FLOOR,
     "components of F_C": "[assessment]\nconfidence_factor = 1.26\n" + TYPED + KNOWLEDGE + MECHANISM,
     "level of knowledge": "[assessment]\nconfidence_factor = 1.2\n" + TYPED + '[assessment.knowledge]\nlevel = "LC2"\n',
-    "ground": "[assessment]\n" + TYPED,
+    "2009": "[assessment]\ncircular = 2009\n" + TYPED,
+    "floor, 2009": "[assessment]\ncircular = 2009\n" + TYPED + FLOOR.partition("higher")[0],
     "record": '[assessment]\nspectrum = "record"\n' + RECORD,
     "record, maximum, site": '[assessment]\nspectrum = "record"\nrecord_demand = "maximum"\n' + TYPED + RECORD,
 }  # fmt: skip
@@ -200,13 +201,13 @@ def test_the_demand_is_that_of_the_project(outcomes):
     table = outcomes["site table, bilinear"]["spectra"]["SLV"]
     assert table["return_period_years"] == pytest.approx(711.842, rel=1e-5)
     assert table["pga_g"] == pytest.approx(table["S"] * table["a_g_g"]) and table["S"] > 1.0
-    assert [outcomes[name]["spectra"]["SLC"]["kind"] for name in ("floor", "record", "ground")] == [
+    assert [outcomes[name]["spectra"]["SLC"]["kind"] for name in ("floor", "record", "2009")] == [
         "floor",
         "record",
         "ground",
     ]
     at_ground, at_height = (
-        outcomes[name]["states"]["original"]["capacity"]["+x"] for name in ("ground", "floor")
+        outcomes[name]["states"]["original"]["capacity"]["+x"] for name in ("2009", "floor, 2009")
     )
     assert at_height["SLD"]["a_g_g"] < at_ground["SLD"]["a_g_g"]
     whole, at_period = (
