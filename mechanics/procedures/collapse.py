@@ -16,7 +16,9 @@ from mechanics.model.contacts import Contacts
 from mechanics.steps.static_system import StaticSystem
 from mechanics.types import Array, Mask
 
-TURNED = 1.0  # rad from the drawing: a block that has turned so far does not come back
+TURNED = (
+    1.0  # rad from the drawing, half of it in the motion: a block that has turned so far does not come back
+)
 THROUGH = 0.01  # of a block's area: an overlap that is none
 
 
@@ -40,10 +42,18 @@ class ControlPoint:
         return float(v[self.block, 0] - v[self.block, 2] * (moved[1] - x[self.block, 1]))
 
 
+def _turned(model: Assembly, begun: Array, x: Array) -> Array:
+    """Return how far (…, b) rad blocks have turned from the drawing, at most twice as far as since `begun` (b, 3)."""
+    drawn = model.initial.positions[:, 2]
+    least: Array = np.minimum(abs(x[..., 2] - drawn), 2.0 * abs(x[..., 2] - begun[:, 2]))
+    return least
+
+
 def far(model: Assembly, begun: Array, x: Array, control: ControlPoint | None) -> Mask:
     """Return which positions (…, b, 3) are far enough from where a motion has `begun` (b, 3) to be a collapse."""
-    turned = abs(x[..., 2] - model.initial.positions[:, 2]).max(axis=-1) > TURNED
-    found: Mask = turned | (abs(x - begun).max(axis=(-2, -1)) > model.block_size.min())
+    found: Mask = (_turned(model, begun, x).max(axis=-1) > TURNED) | (
+        abs(x - begun).max(axis=(-2, -1)) > model.block_size.min()
+    )
     if control is not None and control.ultimate is not None:
         found |= abs(control.displacement(model, begun, x)) > control.ultimate
     return found
@@ -55,8 +65,8 @@ def collapse(
     """Return why a motion at positions x (b, 3) and velocities v (b, 3) cannot come back; None where it can.
 
     The control point is past its ultimate displacement and moves outward; or a block has turned by more than 1 rad from
-    the drawing, or fallen by more than its size and still falls, or is out of reach of all its contacts. Displacements
-    are from where the motion has `begun` (b, 3).
+    the drawing and half of it in the motion, or fallen by more than its size and still falls, or is out of reach of all
+    its contacts. Displacements are from where the motion has `begun` (b, 3).
     """
     if control is not None and control.ultimate is not None:
         displacement = float(control.displacement(model, begun, x))
@@ -68,11 +78,11 @@ def collapse(
     if not far(model, begun, x, None):
         return None
     moved, size = x - begun, model.block_size
-    turned = abs(x[:, 2] - model.initial.positions[:, 2])
+    turned = _turned(model, begun, x)
     if turned.max() > TURNED:
-        return message(
-            "block {block} has turned by {angle:.2f} rad", block=int(turned.argmax()), angle=float(turned.max()),
-        )  # fmt: skip
+        block = int(turned.argmax())
+        angle = float(abs(x[block, 2] - model.initial.positions[block, 2]))
+        return message("block {block} has turned by {angle:.2f} rad", block=block, angle=angle)
     fallen = (-moved[:, 1] > size) & (v[:, 1] < 0.0)
     if fallen.any():
         block = int(np.argmax(np.where(fallen, -moved[:, 1], -np.inf)))

@@ -165,10 +165,10 @@ def time_history(
     of rigid joints in which it lifts by Coulomb's law too, since that is not solved, are counted. Joints of finite
     strength have to be elastic: what is crushed of them stays so (kernels.bed).
 
-    The motion ends at collapse: a block has turned by more than 1 rad from the drawing, has fallen by more than its
-    size and still falls, or is out of reach of all its contacts; or the control point moves outward past its `ultimate`
-    displacement (m); or a tie breaks. Raises ArgumentError for an argument out of its range, ConvergenceError if a step
-    is not solved.
+    The motion ends at collapse: a block has turned by more than 1 rad from the drawing, half of it in the motion, has
+    fallen by more than its size and still falls, or is out of reach of all its contacts; or the control point moves
+    outward past its `ultimate` displacement (m); or a tie breaks. Raises ArgumentError for an argument out of its
+    range, ConvergenceError if a step is not solved.
     """
     # thirteen arguments: the public function of the package, called with keywords
     Assembly.check(model)

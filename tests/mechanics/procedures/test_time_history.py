@@ -220,6 +220,15 @@ def test_a_block_released_beyond_its_balance_collapses(tilted: float) -> None:
     assert motion.collapsed and "turned" in motion.collapse_reason
 
 
+def test_a_block_that_lies_on_its_side_before_a_motion_is_not_toppled_by_it() -> None:
+    """It slides there and back, as it would have from its base."""
+    model = block_on_base(0.4, 0.6, friction=0.7)
+    x = model.initial.positions.copy()
+    x[1] += (0.0, -0.1, -0.5 * np.pi)
+    motion = time_history(model, burst(0.9), STEP, state=State(x, np.zeros_like(x)))
+    assert not motion.collapsed and abs(motion.positions - x).max() > 0.01
+
+
 def test_a_fall_that_goes_on_after_the_record_is_a_collapse() -> None:
     """However far the block has turned where the record ends: 0.55 to 0.9 rad."""
     model, whole = block_on_base(0.2, 1.0), overturning()
