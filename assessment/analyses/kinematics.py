@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from assessment.ntc.tables import Trace, datum, names, step
+from assessment.ntc.tables import Trace, datum, step, worked
 from assessment.project.masonry import Chosen, RotatingBlocks
 from assessment.results.frames import lengthenings
 from assessment.results.schema import Line
@@ -55,18 +55,15 @@ class VirtualWork:
 
     def by_hand(self, delta_C: float) -> Trace:
         """Return the steps to α0, e* and last Γ*, of a control point that moves by δ_C along x."""
-        by_weights = step("alpha_0", "L_W/abs(L_P)", self.alpha_0, "", _WORK, L_W=self.dead, L_P=self.lateral)
-        with_ties = step("alpha_0", "(L_W + L_F)/abs(L_P)", self.alpha_0, "", _WORK, L_W=self.dead,
-                         L_F=self.ties, L_P=self.lateral)  # fmt: skip
-        return (
+        resists, law = "(L_W + L_F)" if self.ties else "L_W", "Circolare 7/2019, C8.7.1.2"
+        Gamma_star = self.second / (delta_C * self.lateral)
+        return worked(
             *self.steps,
-            with_ties if self.ties else by_weights,
-            step("e_star", "L_P**2/(Sigma_P*Sigma_P_delta_2)", self.e_star, "", "Circolare 7/2019, C8.7.1.2",
-                 L_P=self.lateral, Sigma_P=self.moving, Sigma_P_delta_2=self.second),
+            step("alpha_0", f"{resists}/abs(L_P)", self.alpha_0, "", _WORK),
+            step("e_star", "L_P**2/(Sigma_P*Sigma_P_delta_2)", self.e_star, "", law),
             datum("delta_C", delta_C, "m", "control point: virtual displacement"),
-            step("Gamma_star", "Sigma_P_delta_2/(delta_C*L_P)", self.second / (delta_C * self.lateral), "",
-                 "Circolare 7/2019, C8.7.1.2", Sigma_P_delta_2=self.second, delta_C=delta_C, L_P=self.lateral),
-        )  # fmt: skip
+            step("Gamma_star", "Sigma_P_delta_2/(delta_C*L_P)", Gamma_star, "", law),
+        )
 
 
 def virtual_displacements(model: Assembly, positions: Array, chosen: Chosen) -> Array:
@@ -94,24 +91,18 @@ def virtual_work(model: Assembly, positions: Array, chosen: Chosen) -> VirtualWo
     _, seismic = _weights(model)
     moving = np.concatenate([part.blocks for part in chosen.parts])
     total, second = float(seismic[moving].sum()), float(seismic @ delta[:, 0] ** 2)
-    lines: list[Line] = []
-    for k, part in enumerate(chosen.parts, 1):
-        lines += _macro_block(k, part, model, positions)
-
-    def add(symbol: str, unit: str, term: str, value: float, count: int) -> None:
-        known = {line.symbol: line.result for line in lines}
-        formula = " + ".join(term.format(k=k) for k in range(1, count + 1))
-        lines.append(step(symbol, formula, value, unit, _WORK, **{n: known[n] for n in names(formula)}))
-
-    for each, value in zip(_SUMS, (dead, lateral, total, second), strict=True):
-        add(*each, value, len(chosen.parts))
+    numbered = list(enumerate(chosen.parts, 1))
+    lines = [line for k, part in numbered for line in _macro_block(k, part, model, positions)]
+    for (symbol, unit, term), value in zip(_SUMS, (dead, lateral, total, second), strict=True):
+        lines.append(step(symbol, " + ".join(term.format(k=k) for k, _ in numbered), value, unit, _WORK))
     for k, (tie, more) in enumerate(stretched, 1):
         lines.append(datum(f"F_{k}", tie.yield_force, "kN", _TIE))
         lines.append(datum(f"e_{k}", more, "m", "virtual lengthening of the tie"))
     by_ties = sum(tie.yield_force * more for tie, more in stretched)
     if stretched:
-        add("L_F", "kN·m", "F_{k}*e_{k}", by_ties, len(stretched))
-    return VirtualWork(dead, lateral, total, second, tuple(lines), by_ties)
+        formula = " + ".join(f"F_{k}*e_{k}" for k in range(1, len(stretched) + 1))
+        lines.append(step("L_F", formula, by_ties, "kN·m", _WORK))
+    return VirtualWork(dead, lateral, total, second, worked(*lines), by_ties)
 
 
 def _macro_block(k: int, part: RotatingBlocks, model: Assembly, positions: Array) -> list[Line]:
@@ -125,15 +116,18 @@ def _macro_block(k: int, part: RotatingBlocks, model: Assembly, positions: Array
         datum(f"x_G_{k}", x_G, "m", "macro-block: where W acts"),
         datum(f"P_{k}", P, "kN", "macro-block: weights that are seismic mass"),
         datum(f"z_G_{k}", z_G, "m", "macro-block: where P acts"),
-        datum(f"J_{k}", float(seismic @ (z - z_G) ** 2), "kN·m²", "macro-block: sum of P (z - z_G)² over centroids"),
+        datum(
+            f"J_{k}",
+            float(seismic @ (z - z_G) ** 2),
+            "kN·m²",
+            "macro-block: sum of P (z - z_G)² over centroids",
+        ),
         datum(f"x_C_{k}", x_C, "m", "given: centre of rotation"),
         datum(f"z_C_{k}", z_C, "m", "given: centre of rotation"),
         datum(f"theta_{k}", theta, "", "given: virtual rotation, anticlockwise positive"),
-        step(f"delta_x_{k}", f"-theta_{k}*(z_G_{k} - z_C_{k})", -theta * (z_G - z_C), "m", _WORK,
-             **{f"theta_{k}": theta, f"z_G_{k}": z_G, f"z_C_{k}": z_C}),
-        step(f"delta_z_{k}", f"theta_{k}*(x_G_{k} - x_C_{k})", theta * (x_G - x_C), "m", _WORK,
-             **{f"theta_{k}": theta, f"x_G_{k}": x_G, f"x_C_{k}": x_C}),
-    ]  # fmt: skip
+        step(f"delta_x_{k}", f"-theta_{k}*(z_G_{k} - z_C_{k})", -theta * (z_G - z_C), "m", _WORK),
+        step(f"delta_z_{k}", f"theta_{k}*(x_G_{k} - x_C_{k})", theta * (x_G - x_C), "m", _WORK),
+    ]
 
 
 def _weights(model: Assembly) -> tuple[Array, Array]:

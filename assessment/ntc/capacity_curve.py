@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from assessment.ntc.curve_fit import CapacityError, CurveFit
-from assessment.ntc.tables import CONFIDENCE_FACTOR, Trace, datum, step
+from assessment.ntc.tables import CONFIDENCE_FACTOR, Trace, datum, step, worked
 from mechanics import Assembly
 from mechanics.errors import is_between, require
 from mechanics.messages import message
@@ -165,26 +165,23 @@ class CapacityCurve:
             datum("F_C", F_C, "", self.confidence_source),
             datum(alpha, first.alpha, "", first.source),
             *([] if own else [datum(e_act, first.e_star, "", first.source)]),
-            step("a_0_star", f"{alpha}/({e_act}*F_C)", self.a_0_star, "g", _LAW,
-                 **{alpha: first.alpha, e_act: first.e_star}, F_C=F_C),
-        ]  # fmt: skip
+            step("a_0_star", f"{alpha}/({e_act}*F_C)", self.a_0_star, "g", _LAW),
+        ]
         if fit.d_0 is not None and self.d_0_star is not None:
             why = "equilibrium lost before α = 0" if fit.drops else "α = 0"
             lines += [
                 datum("d_0", fit.d_0, "m", f"{fit.source}: {why}"),
-                step("d_0_star", "d_0*Gamma_star", self.d_0_star, "m", _LAW, d_0=fit.d_0, Gamma_star=Gamma),
+                step("d_0_star", "d_0*Gamma_star", self.d_0_star, "m", _LAW),
             ]
         if fit.alpha_y is not None and fit.d_y is not None:
-            a_y, d_y = fit.alpha_y / (e * F_C), fit.d_y * Gamma
+            source = f"{_LAW}; Portioli et al., §7.1"
             lines += [
                 *fit.steps,
-                step("a_y_star", "alpha_y/(e_star*F_C)", a_y, "g", _LAW, alpha_y=fit.alpha_y, e_star=e,
-                     F_C=F_C),
-                step("d_y_star", "d_y*Gamma_star", d_y, "m", _LAW, d_y=fit.d_y, Gamma_star=Gamma),
-                step("T_0", "2*pi*sqrt(d_y_star/(a_y_star*g))", self.T_0 or 0.0, "s", f"{_LAW}; Portioli et al., §7.1",
-                     d_y_star=d_y, a_y_star=a_y, g=GRAVITY),
-            ]  # fmt: skip
-        return tuple(lines)
+                step("a_y_star", "alpha_y/(e_star*F_C)", fit.alpha_y / (e * F_C), "g", _LAW),
+                step("d_y_star", "d_y*Gamma_star", fit.d_y * Gamma, "m", _LAW),
+                step("T_0", "2*pi*sqrt(d_y_star/(a_y_star*g))", self.T_0 or 0.0, "s", source),
+            ]
+        return worked(*lines, g=GRAVITY)
 
 
 def capacity_curve(

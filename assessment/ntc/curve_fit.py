@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assessment.ntc.tables import Trace, datum, step
+from assessment.ntc.tables import Trace, datum, step, worked
 from assessment.results.schema.model import Line
 from mechanics.errors import require
 from mechanics.messages import Message, SaidError, message
@@ -227,28 +227,28 @@ def _idealised(
     steps: list[Line] = [
         datum("alpha_u", alpha_u, "", "pushover, elastic contacts: peak"),
         datum("d_40", secant, "m", f"pushover, elastic contacts: at {SECANT_SHARE:g} α_u"),
-        step("K", f"{SECANT_SHARE:g}*alpha_u/d_40", K, "1/m", _PAPER, alpha_u=alpha_u, d_40=secant),
+        step("K", f"{SECANT_SHARE:g}*alpha_u/d_40", K, "1/m", _PAPER),
     ]
     if cut:
         steps += [
             datum("d_y", d_y, "m", "where the secant meets the rigid branch"),
-            step("alpha_y", "K*d_y", alpha_y, "", _PAPER, K=K, d_y=d_y),
+            step("alpha_y", "K*d_y", alpha_y, "", _PAPER),
         ]
     elif area is None:
-        steps.append(step("alpha_y", f"{alpha_y / alpha_u:g}*alpha_u", alpha_y, "", _PAPER, alpha_u=alpha_u))
+        steps.append(step("alpha_y", f"{alpha_y / alpha_u:g}*alpha_u", alpha_y, "", _PAPER))
     else:
+        equal = "2*(A - A_m)/(d_m + sqrt(d_m**2 - 2*(A - A_m)/K))"
         beyond = float(np.trapezoid(multiplier[displacement >= end], displacement[displacement >= end]))
         steps += [
             datum("A", area, "m", "area of the elastic curve, up to the rigid branch"),
             datum("d_m", end, "m", "where the plateau meets the rigid branch"),
             datum("A_m", beyond, "m", "area of the rigid branch beyond d_m"),
-            step("alpha_y", "2*(A - A_m)/(d_m + sqrt(d_m**2 - 2*(A - A_m)/K))", alpha_y, "",
-                 "equal area: NTC 2018, C7.3.4.2", A=area, A_m=beyond, d_m=end, K=K),
-        ]  # fmt: skip
+            step("alpha_y", equal, alpha_y, "", "equal area: NTC 2018, C7.3.4.2"),
+        ]
     if not cut:
-        steps.append(step("d_y", "alpha_y/K", d_y, "m", _PAPER, alpha_y=alpha_y, K=K))
+        steps.append(step("d_y", "alpha_y/K", d_y, "m", _PAPER))
     return CurveFit(
-        model, float(alpha[0]), d_0, alpha_u, alpha_y, d_y, displacement, multiplier, notes, tuple(steps)
+        model, float(alpha[0]), d_0, alpha_u, alpha_y, d_y, displacement, multiplier, notes, worked(*steps)
     )
 
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from assessment.ntc.hazard import RETURN_PERIODS, HazardCurve
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
-from assessment.ntc.tables import Trace, step
+from assessment.ntc.tables import Trace, step, worked
 from assessment.results.schema.model import Line
 from mechanics.errors import is_between, require
 from mechanics.messages import Message, message
@@ -133,22 +133,20 @@ class FloorSpectrum(_OnGround):
         if at != self._edge:
             return self.ground.steps(at)
         modal = self._modes_steps(self.T_1)
-        last = step("S_DeZ", f"S_eZ_mod*g*({_UPPER:g}*T_1)**2/(4*pi**2)", demand, "m",
-                    "Circolare 7/2019, C8.7.1.2", S_eZ_mod=modal[-1].result, g=GRAVITY, T_1=self.T_1)  # fmt: skip
-        return (*self.ground.steps(self.T_1), *modal, last)
+        formula = f"S_eZ_mod*g*({_UPPER:g}*T_1)**2/(4*pi**2)"
+        last = step("S_DeZ", formula, demand, "m", "Circolare 7/2019, C8.7.1.2")
+        return worked(*self.ground.steps(self.T_1), *modal, last, g=GRAVITY, T_1=self.T_1)
 
     def steps(self, T: float) -> Trace:
         """Return S_eZ(T) and S_DeZ(T) by hand."""
-        ground, modal = self.ground.steps(T), self._modes_steps(T)
-        S_e, S_De, S_eZ_mod = float(self.ground.acceleration(T)), ground[-1].result, modal[-1].result
-        return (
-            *ground,
-            *modal,
-            step("S_eZ", "max(S_eZ_mod, S_e)", float(self.acceleration(T)), "g", f"{_LAW_2019} (C7.2.5)",
-                 S_eZ_mod=S_eZ_mod, S_e=S_e),
-            step("S_DeZ", "max(S_eZ_mod*g*(T/(2*pi))**2, S_De)", float(self.displacement(T)), "m", _LAW_2019,
-                 S_eZ_mod=S_eZ_mod, g=GRAVITY, T=T, S_De=S_De),
-        )  # fmt: skip
+        return worked(
+            *self.ground.steps(T),
+            *self._modes_steps(T),
+            step("S_eZ", "max(S_eZ_mod, S_e)", float(self.acceleration(T)), "g", f"{_LAW_2019} (C7.2.5)"),
+            step("S_DeZ", "max(S_eZ_mod*g*(T/(2*pi))**2, S_De)", float(self.displacement(T)), "m", _LAW_2019),
+            g=GRAVITY,
+            T=T,
+        )
 
     @property
     def _edge(self) -> float:
@@ -162,14 +160,10 @@ class FloorSpectrum(_OnGround):
 
     def _modes_steps(self, T: float) -> Trace:
         """Return √Σ S_eZ,k²(T) by hand."""
-        lines: list[Line] = []
-        squares = {}
-        for k, mode in enumerate(self.modes, 1):
-            lines += self._modal_steps(k, mode, T)
-            squares[f"S_eZ_{k}"] = lines[-1].result
-        formula = "sqrt(" + " + ".join(f"{name}**2" for name in squares) + ")"
-        total = step("S_eZ_mod", formula, float(self._modes(T)), "g", f"{_LAW_2019} (C7.2.5)", **squares)
-        return (*lines, total)
+        numbered = list(enumerate(self.modes, 1))
+        lines = [line for k, mode in numbered for line in self._modal_steps(k, mode, T)]
+        formula = f"sqrt({' + '.join(f'S_eZ_{k}**2' for k, _ in numbered)})"
+        return worked(*lines, step("S_eZ_mod", formula, float(self._modes(T)), "g", f"{_LAW_2019} (C7.2.5)"))
 
     def _peak(self, mode: Mode) -> float:
         """Return a_Z,k (g): largest floor acceleration of a mode."""
@@ -186,27 +180,23 @@ class FloorSpectrum(_OnGround):
         above = 1.0 + (A - 1.0) * np.maximum(T / (_UPPER * T_k) - 1.0, 0.0) ** 1.2
         return np.asarray(A * self._peak(mode) / (below * above))
 
-    def _modal_steps(self, k: int, mode: Mode, T: float) -> list[Line]:
+    def _modal_steps(self, k: int, mode: Mode, T: float) -> Trace:
         damped = self.ground.with_damping(mode.damping)
-        a_Z, A, xi = self._peak(mode), self._amplification(mode), mode.damping
-        S_ek = float(damped.acceleration(mode.period))
-        numbers = {f"A_{k}": A, f"a_Z_{k}": a_Z}
+        own = {"gamma": mode.gamma, "psi": mode.psi, "xi_k": mode.damping, f"T_{k}": mode.period}
         formula = f"A_{k}*a_Z_{k}"
         if _LOWER * mode.period > T:
             formula += f"/(1 + (A_{k} - 1)*(1 - T/({_LOWER:g}*T_{k}))**1.6)"
         elif _UPPER * mode.period <= T:
             formula += f"/(1 + (A_{k} - 1)*(T/({_UPPER:g}*T_{k}) - 1)**1.2)"
-        if "T_" in formula:
-            numbers |= {"T": T, f"T_{k}": mode.period}
-        return [
+        at_height = float(self._modal(mode, np.asarray(T)))
+        peak = "S_ek*abs(gamma*psi)*sqrt(1 + 0.0004*(100*xi_k)**2)"
+        return worked(
             _ground_step(damped, "S_e", mode.period).replace(symbol="S_ek"),
-            step(f"a_Z_{k}", "S_ek*abs(gamma*psi)*sqrt(1 + 0.0004*(100*xi_k)**2)", a_Z, "g",
-                 f"{_LAW_2019} (C7.2.7)", S_ek=S_ek, gamma=mode.gamma, psi=mode.psi, xi_k=xi),
-            step(f"A_{k}", "max(1, 1.1*eta/sqrt(xi_k))", A, "", f"{_LAW_2019} (C7.2.8)", eta=self.ground.eta,
-                 xi_k=xi),
-            step(f"S_eZ_{k}", formula, float(self._modal(mode, np.asarray(T))), "g", f"{_LAW_2019} (C7.2.6)",
-                 **numbers),
-        ]  # fmt: skip
+            step(f"a_Z_{k}", peak, self._peak(mode), "g", f"{_LAW_2019} (C7.2.7)"),
+            step(f"A_{k}", "max(1, 1.1*eta/sqrt(xi_k))", self._amplification(mode), "", f"{_LAW_2019} (C7.2.8)"),
+            step(f"S_eZ_{k}", formula, at_height, "g", f"{_LAW_2019} (C7.2.6)"),
+            eta=self.ground.eta, T=T, **own,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -243,18 +233,16 @@ class FloorSpectrum2009(_OnGround):
     def steps(self, T: float) -> Trace:
         """Return the demand at height by hand."""
         T_1 = self.mode.period
-        shape = {"psi": self.mode.psi, "gamma": self.mode.gamma, "T": T, "T_1": T_1}
-        S_e, S_De = float(self.ground.acceleration(T)), float(self.ground.displacement(T))
         first, second = (_ground_step(self.ground, symbol, T_1) for symbol in ("S_e", "S_De"))
         resonance = "psi*gamma/sqrt((1 - T/T_1)**2 + 0.02*T/T_1)"
-        return (
+        by_displacement = f"max(S_De, S_De_1*(T/T_1)**2*{resonance})"
+        return worked(
             *self.ground.steps(T),
             first.replace(symbol="S_e_1"),
             second.replace(symbol="S_De_1"),
-            step("S_eZ", f"max(S_e, S_e_1*{resonance})", float(self.acceleration(T)), "g", _LAW_2009,
-                 S_e=S_e, S_e_1=first.result, **shape),
-            step("S_DeZ", f"max(S_De, S_De_1*(T/T_1)**2*{resonance})", float(self.displacement(T)), "m",
-                 _LAW_2009, S_De=S_De, S_De_1=second.result, **shape),
+            step("S_eZ", f"max(S_e, S_e_1*{resonance})", float(self.acceleration(T)), "g", _LAW_2009),
+            step("S_DeZ", by_displacement, float(self.displacement(T)), "m", _LAW_2009),
+            psi=self.mode.psi, gamma=self.mode.gamma, T=T, T_1=T_1,
         )  # fmt: skip
 
     def _amplification(self, T: ArrayLike) -> Array:

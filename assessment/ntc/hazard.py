@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from assessment.ntc.tables import EXCEEDANCE, USE_COEFFICIENT, Trace, datum, return_period, step
+from assessment.ntc.tables import EXCEEDANCE, USE_COEFFICIENT, Trace, datum, return_period, step, worked
 from assessment.results.schema.model import Line
 from mechanics.errors import ArgumentError, is_between, require
 from mechanics.types import Array
@@ -225,16 +225,13 @@ class HazardCurve:
         T1, T2 = RETURN_PERIODS[k : k + 2]
         hazard = self.at(return_period)
         lines = [datum("T_R", return_period, "years", "NTC 2018, §3.2.1")]
-        for j, (symbol, unit) in enumerate(zip(_PARAMETERS, _UNITS, strict=True)):
+        results = zip(_PARAMETERS, _UNITS, (hazard.ag, hazard.F0, hazard.Tc_star), strict=True)
+        for j, (symbol, unit, result) in enumerate(results):
             first, second = f"{symbol}_1", f"{symbol}_2"
-            ends = {first: self.values[k, j], second: self.values[k + 1, j]}
             lines += [self._space(first, unit, k, j), self._space(second, unit, k + 1, j)]
             formula = f"exp(log({first}) + log({second}/{first})*log(T_R/T_R_1)/log(T_R_2/T_R_1))"
-            lines.append(
-                step(symbol, formula, (hazard.ag, hazard.F0, hazard.Tc_star)[j], unit, f"{_ALLEGATO}, eq. 1",
-                     **ends, T_R=return_period, T_R_1=T1, T_R_2=T2)
-            )  # fmt: skip
-        return tuple(lines)
+            lines.append(step(symbol, formula, result, unit, f"{_ALLEGATO}, eq. 1"))
+        return worked(*lines, T_R_1=T1, T_R_2=T2)
 
     def _space(self, symbol: str, unit: str, column: int, j: int) -> Line:
         p, d, at = self.node_values[:, column, j], self.distances, f"; T_R = {RETURN_PERIODS[column]:g}"
@@ -249,14 +246,13 @@ def return_period_steps(limit_state: str, nominal_life: float = 50.0, use_class:
     """Return the calculation of V_R and T_R by hand."""
     C_U, P = USE_COEFFICIENT[use_class], EXCEEDANCE[limit_state]
     T_R = return_period(limit_state, nominal_life, use_class)
-    return (
+    return worked(
         datum("V_N", nominal_life, "years", "NTC 2018, Tab. 2.4.I"),
         datum("C_U", C_U, "", f"NTC 2018, Tab. 2.4.II, {use_class}"),
         datum("P_VR", P, "", f"NTC 2018, Tab. 3.2.I, {limit_state}"),
-        step("V_R", "V_N*C_U", nominal_life * C_U, "years", "NTC 2018, §2.4.3", V_N=nominal_life, C_U=C_U),
-        step("T_R", "min(2475, max(30, -V_R/log(1 - P_VR)))", T_R, "years", "NTC 2018, §3.2.1",
-             V_R=nominal_life * C_U, P_VR=P),
-    )  # fmt: skip
+        step("V_R", "V_N*C_U", nominal_life * C_U, "years", "NTC 2018, §2.4.3"),
+        step("T_R", "min(2475, max(30, -V_R/log(1 - P_VR)))", T_R, "years", "NTC 2018, §3.2.1"),
+    )
 
 
 def site_curve(

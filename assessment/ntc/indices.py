@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from itertools import pairwise
 from math import log
 
-from assessment.ntc.tables import EXCEEDANCE, USE_COEFFICIENT, Trace, datum, step
+from assessment.ntc.tables import EXCEEDANCE, USE_COEFFICIENT, Trace, datum, step, worked
 from assessment.results.schema import RiskIndices
 
 CLASSES = ("A+", "A", "B", "C", "D", "E", "F", "G")
@@ -28,24 +28,22 @@ def heritage_and_risk_indices(
     T_R_SLV: float | None = None, T_SLD: float | None = None,
 ) -> RiskIndices:  # fmt: skip
     """Return the indices from a_g and demand on rock (g), ratio ζ of PGA at SLV, T_R (years) of all."""
-    f_a, C_U = a_g / demand_a_g, USE_COEFFICIENT[use_class]
+    f_a, C_U, P = a_g / demand_a_g, USE_COEFFICIENT[use_class], EXCEEDANCE["SLV"]
     lines = [
         datum("a_g_SLV", a_g, "g", _HERITAGE),
         datum("a_g_demand", demand_a_g, "g", _HERITAGE),
-        step("f_a", "a_g_SLV/a_g_demand", f_a, "", _HERITAGE, a_g_SLV=a_g, a_g_demand=demand_a_g),
-        step("IS_V", "zeta_SLV", zeta, "", _RISK, zeta_SLV=zeta),
+        step("f_a", "a_g_SLV/a_g_demand", f_a, "", _HERITAGE),
+        step("IS_V", "zeta_SLV", zeta, "", _RISK),
     ]
     I_S = life = None
     known = {"T_SLV": T_SLV, "T_R_SLV": T_R_SLV, "T_SLD": T_SLD}
     lines += [datum(name, T, "years", _HERITAGE) for name, T in known.items() if T is not None]
     if T_SLV is not None and T_R_SLV is not None:
         I_S = T_SLV / T_R_SLV
-        lines.append(step("I_S", "T_SLV/T_R_SLV", I_S, "", _HERITAGE, T_SLV=T_SLV, T_R_SLV=T_R_SLV))
+        lines.append(step("I_S", "T_SLV/T_R_SLV", I_S, "", _HERITAGE))
     if T_SLV is not None:
-        P = EXCEEDANCE["SLV"]
         life = -T_SLV * log(1.0 - P) / C_U
-        formula = "-T_SLV*log(1 - P_VR)/C_U"
-        lines.append(step("V_N_acceptable", formula, life, "years", _HERITAGE, T_SLV=T_SLV, P_VR=P, C_U=C_U))
+        lines.append(step("V_N_acceptable", "-T_SLV*log(1 - P_VR)/C_U", life, "years", _HERITAGE))
     pam = pam_class = risk = None
     is_v_class = CLASSES[sum(zeta < least for least in _IS_V)]
     if T_SLV is not None and T_SLD is not None:
@@ -55,7 +53,7 @@ def heritage_and_risk_indices(
         lines += steps
     return RiskIndices(
         I_S=I_S, f_a=f_a, acceptable_nominal_life_years=life, IS_V=zeta, IS_V_class=is_v_class, PAM=pam,
-        PAM_class=pam_class, risk_class=risk, trace=lines,
+        PAM_class=pam_class, risk_class=risk, trace=[*worked(*lines, zeta_SLV=zeta, P_VR=P, C_U=C_U)],
     )  # fmt: skip
 
 
@@ -78,17 +76,15 @@ def expected_annual_loss(T_SLD: float, T_SLV: float) -> tuple[float, Trace]:
         for a, b, cost in stretches
     ]
     frequency = f"{_INITIAL_DAMAGE:g}"
-    lines = (
-        step("lambda_SLV", f"min({frequency}, 1/T_SLV)", SLV, "1/years", _RISK, T_SLV=T_SLV),
-        step("lambda_SLD", f"min({frequency}, max(1/T_SLD, lambda_SLV))", SLD, "1/years", _RISK, T_SLD=T_SLD,
-             lambda_SLV=SLV),
-        step("lambda_SLO", f"min({frequency}, {_SLO_OF_SLD:g}*lambda_SLD)", rates["SLO"], "1/years", _RISK,
-             lambda_SLD=SLD),
-        step("lambda_SLC", f"{_SLC_OF_SLV:g}*lambda_SLV", rates["SLC"], "1/years", _RISK, lambda_SLV=SLV),
-        step("PAM", " + ".join([f"{_COST['SLR']:g}*lambda_SLC", *parts]), pam, "", _RISK,
-             **{f"lambda_{name}": rate for name, rate in rates.items() if name != "SLID"}),
-    )  # fmt: skip
-    return pam, lines
+    return pam, worked(
+        step("lambda_SLV", f"min({frequency}, 1/T_SLV)", SLV, "1/years", _RISK),
+        step("lambda_SLD", f"min({frequency}, max(1/T_SLD, lambda_SLV))", SLD, "1/years", _RISK),
+        step("lambda_SLO", f"min({frequency}, {_SLO_OF_SLD:g}*lambda_SLD)", rates["SLO"], "1/years", _RISK),
+        step("lambda_SLC", f"{_SLC_OF_SLV:g}*lambda_SLV", rates["SLC"], "1/years", _RISK),
+        step("PAM", " + ".join([f"{_COST['SLR']:g}*lambda_SLC", *parts]), pam, "", _RISK),
+        T_SLV=T_SLV,
+        T_SLD=T_SLD,
+    )
 
 
 def required_zeta(zeta: float | None, use_class: str) -> dict[str, float | None]:

@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assessment.ntc.tables import Trace, datum, step
+from assessment.ntc.tables import Trace, datum, step, worked
 from mechanics.errors import is_between, require, require_positive
 from mechanics.records import response_spectrum
 from mechanics.types import GRAVITY, Array
@@ -141,7 +141,8 @@ class ElasticSpectrum:
 
     def steps(self, T: float) -> Trace:
         """Return how S_e(T) and S_De(T) follow from a_g, F0, T_C*, soil and topography."""
-        return (*self.parameter_steps(), *self._ordinates(T))
+        known = {"T": T, "g": GRAVITY, "T_E": self.T_E, "T_F": _T_F}
+        return worked(*self.parameter_steps(), *self._ordinates(T), **known)
 
     def parameter_steps(self) -> Trace:
         """Return the parameters of the spectrum by hand."""
@@ -149,46 +150,38 @@ class ElasticSpectrum:
         factor, exponent = _PERIOD_FACTOR[self.soil]
         table = f"NTC 2018, Tab. 3.2.IV, {self.soil}"
         law = "NTC 2018, §3.2.3.2.1"
-        return (
+        return worked(
             datum("a_g", self.ag, "g", "NTC 2018, §3.2"),
             datum("F_0", self.F0, "", "NTC 2018, §3.2"),
             datum("T_C_star", self.Tc_star, "s", "NTC 2018, §3.2"),
-            step("S_S", f"min({upper:g}, max({lower:g}, {first:g} - {slope:g}*F_0*a_g))", self.S_S, "", table,
-                 F_0=self.F0, a_g=self.ag),
+            step(
+                "S_S", f"min({upper:g}, max({lower:g}, {first:g} - {slope:g}*F_0*a_g))", self.S_S, "", table
+            ),
             datum("S_T", self.S_T, "", f"NTC 2018, Tab. 3.2.V, {self.topography}"),
-            step("S", "S_S*S_T", self.S, "", "NTC 2018, eq. 3.2.3", S_S=self.S_S, S_T=self.S_T),
-            step("C_C", f"{factor:g}*T_C_star**({exponent:g})", self.C_C, "", table, T_C_star=self.Tc_star),
-            step("T_C", "C_C*T_C_star", self.T_C, "s", law, C_C=self.C_C, T_C_star=self.Tc_star),
-            step("T_B", "T_C/3", self.T_B, "s", law, T_C=self.T_C),
-            step("T_D", "4*a_g + 1.6", self.T_D, "s", law, a_g=self.ag),
-            step("eta", "max(0.55, sqrt(10/(5 + 100*xi)))", self.eta, "", law, xi=self.damping),
-        )  # fmt: skip
+            step("S", "S_S*S_T", self.S, "", "NTC 2018, eq. 3.2.3"),
+            step("C_C", f"{factor:g}*T_C_star**({exponent:g})", self.C_C, "", table),
+            step("T_C", "C_C*T_C_star", self.T_C, "s", law),
+            step("T_B", "T_C/3", self.T_B, "s", law),
+            step("T_D", "4*a_g + 1.6", self.T_D, "s", law),
+            step("eta", "max(0.55, sqrt(10/(5 + 100*xi)))", self.eta, "", law),
+            xi=self.damping,
+        )
 
     def _ordinates(self, T: float) -> Trace:
-        numbers = {"a_g": self.ag, "S": self.S, "eta": self.eta, "F_0": self.F0}
-        S_e, S_De = float(self.acceleration(T)), float(self.displacement(T))
+        S_e, S_De, law = float(self.acceleration(T)), float(self.displacement(T)), "NTC 2018, §3.2.3.2.3"
         formula = "a_g*S*eta*F_0"
         if self.T_B > T:
             formula += "*(T/T_B + (1 - T/T_B)/(eta*F_0))"
-            numbers |= {"T": T, "T_B": self.T_B}
         elif self.T_C <= T < self.T_D:
             formula += "*T_C/T"
-            numbers |= {"T_C": self.T_C, "T": T}
         elif self.T_D <= T:
             formula += "*T_C*T_D/T**2"
-            numbers |= {"T_C": self.T_C, "T_D": self.T_D, "T": T}
-        first = step("S_e", formula, S_e, "g", "NTC 2018, §3.2.3.2.1", **numbers)
-        law = "NTC 2018, §3.2.3.2.3"
+        first = step("S_e", formula, S_e, "g", "NTC 2018, §3.2.3.2.1")
         if self.T_E >= T:
-            return first, step("S_De", "S_e*g*(T/(2*pi))**2", S_De, "m", law, S_e=S_e, g=GRAVITY, T=T)
-        d_g, eta, F0 = self.ground_displacement, self.eta, self.F0
-        return (
-            first,
-            step("d_g", "0.025*a_g*g*S*T_C*T_D", d_g, "m", "NTC 2018, §3.2.3.3", a_g=self.ag, g=GRAVITY,
-                 S=self.S, T_C=self.T_C, T_D=self.T_D),
-            step("S_De", "d_g*(F_0*eta + (1 - F_0*eta)*(min(T, T_F) - T_E)/(T_F - T_E))", S_De, "m", law,
-                 d_g=d_g, F_0=F0, eta=eta, T=T, T_E=self.T_E, T_F=_T_F),
-        )  # fmt: skip
+            return first, step("S_De", "S_e*g*(T/(2*pi))**2", S_De, "m", law)
+        long = "d_g*(F_0*eta + (1 - F_0*eta)*(min(T, T_F) - T_E)/(T_F - T_E))"
+        d_g = step("d_g", "0.025*a_g*g*S*T_C*T_D", self.ground_displacement, "m", "NTC 2018, §3.2.3.3")
+        return first, d_g, step("S_De", long, S_De, "m", law)
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,12 +238,13 @@ class RecordSpectrum:
     def steps(self, T: float) -> Trace:
         """Return the ordinates at T: S_e is a datum (time integration), S_De follows from it."""
         S_e, S_De = float(self.acceleration(T)), float(self.displacement(T))
-        return (
+        return worked(
             datum("PGA", self.ag, "g", "record"),
             datum("T", T, "s", "record: period looked at"),
             datum("xi", self.damping, "", "record: damping"),
             datum("S_e", S_e, "g", "record: exact integration of the oscillator"),
-            step("S_De", "S_e*g*(T/(2*pi))**2", S_De, "m", "NTC 2018, §3.2.3.2.3", S_e=S_e, g=GRAVITY, T=T),
+            step("S_De", "S_e*g*(T/(2*pi))**2", S_De, "m", "NTC 2018, §3.2.3.2.3"),
+            g=GRAVITY,
         )
 
     def _ordinates(self, T: ArrayLike) -> tuple[Array, Array]:

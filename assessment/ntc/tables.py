@@ -30,7 +30,7 @@ Trace = tuple[Line, ...]
 
 
 def step(symbol: str, formula: str, result: float, unit: str, paragraph: str, /, **inputs: float) -> Line:
-    """Return a line whose inputs are the keyword arguments, in their order."""
+    """Return a line of a result; its inputs are given, or those that `worked` finds in the lines before."""
     numbers = {name: float(value) for name, value in inputs.items()}
     return Line(
         symbol=symbol, formula=formula, inputs=numbers, result=float(result), unit=unit, paragraph=paragraph
@@ -42,9 +42,16 @@ def datum(symbol: str, value: float, unit: str, source: str) -> Line:
     return step(symbol, "", value, unit, source)
 
 
-def names(formula: str) -> list[str]:
-    """Return the names in a formula, each once."""
-    return list(dict.fromkeys(_NAME.findall(formula)))
+def worked(*lines: Line, **known: float) -> Trace:
+    """Return a calculation whose lines have the numbers that their formulas name: `known` ones, results before them."""
+    results: dict[str, float] = {}
+    found = []
+    for line in lines:
+        numbers = results | known | line.inputs
+        inputs = {name: float(numbers[name]) for name in _NAME.findall(line.formula) if name in numbers}
+        found.append(line if line.inputs.keys() == inputs.keys() else line.replace(inputs=inputs))
+        results[line.symbol] = line.result
+    return tuple(found)
 
 
 def farthest(limit_states: Container[str]) -> str | None:

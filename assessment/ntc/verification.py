@@ -16,7 +16,7 @@ from assessment.ntc.curve_fit import CapacityError
 from assessment.ntc.floor_spectrum import Demand, Spectrum, spectrum_at_return_period
 from assessment.ntc.hazard import HazardCurve, capacity_return_period, stated
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
-from assessment.ntc.tables import EXCEEDANCE, INDEX, INDEXED, ROCK, SURFACE, Trace, datum, step
+from assessment.ntc.tables import EXCEEDANCE, INDEX, INDEXED, ROCK, SURFACE, Trace, datum, step, worked
 from assessment.results.schema import Check, CheckMethod, Line, VerticalCheck, finite
 from mechanics.errors import is_between, require
 from mechanics.messages import Message, message
@@ -175,9 +175,9 @@ def check_nonlinear(
                 solved = _first(solved, _solve_displacement(capacity, "SLC", spectrum, method))
         # where the curve is left: at a_y* and T_0, or at a_0* where it is rigid
         active = (_solve_linear if capacity.T_0 is None else _solve_elastic)(capacity, spectrum, method)
-        line = step(f"a_g_{limit_state}", "max(a_g_nonlinear, a_g_act)", max(solved.a_g, active.a_g), "g",
-                    LAW["2019"], a_g_nonlinear=solved.a_g, a_g_act=active.a_g)  # fmt: skip
-        steps = (*solved.steps, *active.steps, line)
+        largest = max(solved.a_g, active.a_g)
+        line = step(f"a_g_{limit_state}", "max(a_g_nonlinear, a_g_act)", largest, "g", LAW["2019"])
+        steps = worked(*solved.steps, *active.steps, line)
         if active.a_g > solved.a_g:
             solved = replace(
                 solved, a_g=active.a_g, base=active.base, governing="activation", notes=active.notes
@@ -191,16 +191,15 @@ def _first(life: Solved, collapse: Solved) -> Solved:
     if collapse.a_g >= life.a_g:
         return life
     *steps, last = collapse.steps
-    line = step("a_g_nonlinear", "min(a_g_life, a_g_collapse)", collapse.a_g, "g", LAW["2019"],
-                a_g_life=life.a_g, a_g_collapse=collapse.a_g)  # fmt: skip
-    steps = [*life.steps[:-1], life.steps[-1].replace(symbol="a_g_life"), *steps,
-             last.replace(symbol="a_g_collapse"), line]  # fmt: skip
+    *before, own = life.steps
+    line = step("a_g_nonlinear", "min(a_g_life, a_g_collapse)", collapse.a_g, "g", LAW["2019"])
+    both = (*before, own.replace(symbol="a_g_life"), *steps, last.replace(symbol="a_g_collapse"))
     note = message(
         "SLV: d_SLC is reached at a smaller a_g under the same spectrum (the formulas allow it where T_SLV lies on "
         "the plateau): that a_g counts"
     )
     governing = f"SLC reached first: {collapse.governing}"
-    return replace(collapse, governing=governing, steps=tuple(steps), notes=(*collapse.notes, note))
+    return replace(collapse, governing=governing, steps=worked(*both, line), notes=(*collapse.notes, note))
 
 
 def _demand(limit_state: str, spectrum: Spectrum, method: Method) -> tuple[float, str, float]:
@@ -222,19 +221,19 @@ def _check(
     pga, demanded = a_g * S, demand * S_demand
     zeta = pga / demanded
     law = "NTC 2018, §8.3" if limit_state == INDEX else LAW[method.circular]
-    lines = [
-        datum("a_g_demand", demand, "g", "a_g S of the site" if given else "hazard of the site, or peak of the record"),
-        step("PGA_capacity", "S_capacity*a_g_capacity", pga, "g", _SURFACE_LAW, S_capacity=S, a_g_capacity=a_g),
-        step("PGA_demand", "S_demand*a_g_demand", demanded, "g", _SURFACE_LAW, S_demand=S_demand, a_g_demand=demand),
-        step("zeta_E" if limit_state == INDEX else f"r_{limit_state}", "PGA_capacity/PGA_demand", zeta, "", law,
-             PGA_capacity=pga, PGA_demand=demanded),
-    ]  # fmt: skip
+    source = "a_g S of the site" if given else "hazard of the site, or peak of the record"
+    lines = worked(
+        datum("a_g_demand", demand, "g", source),
+        step("PGA_capacity", "S_capacity*a_g_capacity", pga, "g", _SURFACE_LAW),
+        step("PGA_demand", "S_demand*a_g_demand", demanded, "g", _SURFACE_LAW),
+        step("zeta_E" if limit_state == INDEX else f"r_{limit_state}", "PGA_capacity/PGA_demand", zeta, "", law),
+        S_capacity=S, a_g_capacity=a_g, S_demand=S_demand,
+    )  # fmt: skip
+    period = None
     if reference == ROCK:
         known = method.return_periods.get(limit_state)
         period = capacity_return_period(a_g, pga, demanded, known, method.hazard)
-        lines += [period] if period else []
-    else:
-        period = None
+        lines += (period,) if period else ()
     T_R = period.result if period else None
     return _part(
         limit_state, spectrum, method, kind, d_star_m=solved.d_star, a_star_g=solved.a_star, T_s=solved.T, a_g_g=a_g,
@@ -279,13 +278,12 @@ def _solve_acceleration(
     base, notes = _scaled(demand, q * a_star, spectrum.with_damping(ACTIVATION_DAMPING), method)
     S_e = demand(base)
     a_g = base.ag * q * a_star / S_e
-    numbers = {"a_g": base.ag, symbol: a_star, "S_e": S_e}
     name, formula, governing = "a_g_act", f"a_g*{symbol}/S_e", "activation" if T == 0.0 else "elastic branch"
     if q != 1.0:
         name, formula, governing = "a_g_linear", f"q*{formula}", "q times activation"
-        numbers["q"] = q
-    line = step(name, formula, a_g, "g", LAW[method.circular], **numbers)
-    return Solved(d_star, a_star, T, a_g, base, ACTIVATION_DAMPING, governing, (*base.steps(T), line), notes)
+    known = {"a_g": base.ag, symbol: a_star, "S_e": S_e, "q": q}
+    steps = worked(*base.steps(T), step(name, formula, a_g, "g", LAW[method.circular]), **known)
+    return Solved(d_star, a_star, T, a_g, base, ACTIVATION_DAMPING, governing, steps, notes)
 
 
 def _solve_displacement(
@@ -302,8 +300,7 @@ def _solve_displacement(
     d_secant, name = d, limit_state
     if rule.secant != 1.0:
         d_secant, name = rule.secant * d, "s"
-        lines.append(step("d_s", f"{rule.secant:g}*{first.symbol}", d_secant, "m", LAW[method.circular],
-                          **{first.symbol: d}))  # fmt: skip
+        lines.append(step("d_s", f"{rule.secant:g}*{first.symbol}", d_secant, "m", LAW[method.circular]))
     a = capacity.a_star(d_secant)
     if a <= 0.0:
         none = message("{limit}: no acceleration capacity is left at d* = {displacement:.6g} m", limit=limit_state,
@@ -328,15 +325,15 @@ def _solve_displacement(
         notes = (*notes, larger)
     k = int(np.clip(np.searchsorted(capacity.displacement, d_secant), 1, len(capacity.displacement) - 1))
     (d_1, d_2), (a_1, a_2) = capacity.displacement[k - 1 : k + 1], capacity.acceleration[k - 1 : k + 1]
-    lines += [
-        step(f"a_{name}", "a_1 + (a_2 - a_1)*(d - d_1)/(d_2 - d_1)", a, "g", "capacity curve", a_1=a_1, a_2=a_2,
-             d=d_secant, d_1=d_1, d_2=d_2),
-        step(f"T_{name}", f"{rule.factor:g}*pi*sqrt(d/(a*g))", T, "s", LAW[method.circular], d=d_secant, a=a,
-             g=GRAVITY),
+    steps = worked(
+        *lines,
+        step(f"a_{name}", "a_1 + (a_2 - a_1)*(d - d_1)/(d_2 - d_1)", a, "g", "capacity curve", d=d_secant),
+        step(f"T_{name}", f"{rule.factor:g}*pi*sqrt(d/(a*g))", T, "s", LAW[method.circular], d=d_secant),
         *(base.demand_steps(T_0, T) if largest else base.steps(T)),
-        step("a_g_nonlinear", "a_g*d/S_De", a_g, "g", LAW[method.circular], a_g=base.ag, d=d, S_De=S_De),
-    ]  # fmt: skip
-    return Solved(d, a, T, a_g, base, rule.damping, governing, tuple(lines), notes)
+        step("a_g_nonlinear", "a_g*d/S_De", a_g, "g", LAW[method.circular]),
+        a_1=a_1, a_2=a_2, d=d, d_1=d_1, d_2=d_2, a=a, g=GRAVITY, a_g=base.ag, S_De=S_De,
+    )  # fmt: skip
+    return Solved(d, a, T, a_g, base, rule.damping, governing, steps, notes)
 
 
 def _limit(
@@ -403,17 +400,16 @@ def vertical_component(
     factor = min(1.0 - _SHARE * a_v, (1.0 - a_v) / _SHARE)
     law, rule = "NTC 2018, §3.2.3.2.2", "NTC 2018, §7.2.2, §7.3.5"
     lighter = factor * a_0_star
-    trace = [
+    trace = worked(
         datum("a_g", a_g, "g", "hazard of the site, or peak of the record"),
-        step("a_v", "1.35*S_T*sqrt(a_g)*a_g", a_v, "g", law, S_T=S_T, a_g=a_g),
-        step("lambda_v", "min(1 - 0.3*a_v, (1 - a_v)/0.3)", factor, "", rule, a_v=a_v),
-        step("alpha_0_v", "lambda_v*alpha_0", factor * alpha_0, "", rule, lambda_v=factor, alpha_0=alpha_0),
-        step("a_0_star_v", "lambda_v*a_0_star", lighter, "g", rule, lambda_v=factor,
-             a_0_star=a_0_star),
-        step("r_v", "a_0_star_v/a_demand", lighter / demand, "", "Circolare 7/2019, C8.7.1.2",
-             a_0_star_v=lighter, a_demand=demand),
-    ]  # fmt: skip
+        step("a_v", "1.35*S_T*sqrt(a_g)*a_g", a_v, "g", law),
+        step("lambda_v", "min(1 - 0.3*a_v, (1 - a_v)/0.3)", factor, "", rule),
+        step("alpha_0_v", "lambda_v*alpha_0", factor * alpha_0, "", rule),
+        step("a_0_star_v", "lambda_v*a_0_star", lighter, "g", rule),
+        step("r_v", "a_0_star_v/a_demand", lighter / demand, "", "Circolare 7/2019, C8.7.1.2"),
+        S_T=S_T, alpha_0=alpha_0, a_0_star=a_0_star, a_demand=demand,
+    )  # fmt: skip
     return VerticalCheck(
         a_v_g=a_v, alpha_0=factor * alpha_0, a_0_star_g=lighter, demand_a_star_g=demand, ratio=lighter / demand,
-        verified=bool(lighter >= demand), trace=trace,
+        verified=bool(lighter >= demand), trace=[*trace],
     )  # fmt: skip

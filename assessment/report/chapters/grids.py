@@ -5,6 +5,7 @@ import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from importlib.resources import files
+from types import MappingProxyType
 from typing import Any
 
 from markupsafe import Markup
@@ -39,15 +40,19 @@ class Grid:
 
 
 def grid(
-    table: Table, words: language.Words, caption: Markup, significant: int = 3, reference: str = ROCK
-) -> Grid:
-    """Write a table for the report, without the columns that no row has; `reference`: of a_g, rock or surface."""
+    table: Table, words: language.Words, caption: Markup, significant: int = 3, reference: str = ROCK,
+    heads: Mapping[str, Markup] = MappingProxyType({}),
+) -> Grid:  # fmt: skip
+    """Write a table for the report, without the columns that no row has.
+
+    `reference`: of a_g, rock or surface; `heads`: headings of columns that are called otherwise in this table.
+    """
     columns = [column for column in table.columns if any(column in row for row in table.rows)]
     return Grid(
         caption,
-        [language.heading(column, words, reference) for column in columns],
+        [heads.get(column) or language.heading(column, words, reference) for column in columns],
         [[language.cell(column, row, words, significant) for column in columns] for row in table.rows],
-        [QUANTITIES[column].words for column in columns],
+        [column in QUANTITIES and QUANTITIES[column].words for column in columns],
     )
 
 

@@ -1,17 +1,17 @@
 """The first page: the answer in sentences, the table of what was found, and what it rests on, from `summary` alone."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from markupsafe import Markup
 
 from assessment.ntc.tables import INDEXED, LINEAR, USE_COEFFICIENT, return_period
-from assessment.report.chapters.grids import Grid
+from assessment.report.chapters.grids import Grid, grid
 from assessment.report.chapters.remarks import few_records
-from assessment.report.language import Words, direction_name, heading, indexed, label, written
+from assessment.report.language import Words, direction_name, indexed, label, written
 from assessment.report.tables.mechanisms import mechanism_name
 from assessment.report.tables.structure import bounded, edge_pressures
 from assessment.results.hand_check import governing_view, rigid_push
-from assessment.results.schema import Results, SummaryCheck, SummaryRow, known
+from assessment.results.schema import Results, SummaryCheck, SummaryRow, known, present
 from assessment.results.summary import (
     apart,
     coulomb,
@@ -22,7 +22,7 @@ from assessment.results.summary import (
     settled,
     worst_settled,
 )
-from assessment.results.table import ORIGINAL
+from assessment.results.table import ORIGINAL, Row, Table
 
 QUALITY_ANNEX = "D"  # of the report: where warnings are listed
 LISTED = ("alpha_0", "d_0_m", "alpha_u", "static_pga_g", "dynamic_pga_g")
@@ -103,17 +103,24 @@ def _kind(check: SummaryCheck | None, words: Words) -> str:
 
 def _outcome(results: Results, name: str, words: Words) -> str:
     """Return whether a state is verified in every direction, as a sentence; where the index is, what is not."""
-    verified = [row.verified for row in rows_of(results, name)]
-    checks = [row.checks for row in rows_of(results, name)]
-    failing = [x for x in INDEXED if any(each[x].verified is False for each in checks if x in each)]
+    rows = rows_of(results, name)
+    counting = [
+        {limit: row.checks[limit] for limit in INDEXED if limit in row.checks} or row.checks for row in rows
+    ]
+    failing = [x for x in INDEXED if any(x in each and each[x].verified is False for each in counting)]
     if failing and index_limit(results) not in failing:
         return words.plain("synthesis.not_verified_at", limits=", ".join(failing))
-    counting = [[row[x] for x in INDEXED if x in row] or list(row.values()) for row in checks]
-    open_ = [each for row in counting for each in row if each.verified is None and each.zeta_E_range]
-    low = min((known(each.zeta_E_range)[0] or 0.0 for each in open_), default=None)
-    undecided = "undetermined" if low is None else "undecided" if low else "not_all_runs"
-    kind = "not_verified" if False in verified else undecided if None in verified else "verified"
-    return words.plain(f"synthesis.{kind}", low=low)
+    verified = [row.verified for row in rows]
+    if False in verified:
+        return words.plain("synthesis.not_verified")
+    if None not in verified:
+        return words.plain("synthesis.verified")
+    # of what is open the least ends of ranges: some runs of an ensemble are verified, or not all have a capacity
+    open_ = [check for each in counting for check in each.values() if check.verified is None]
+    lows = [check.zeta_E_range[0] or 0.0 for check in open_ if check.zeta_E_range]
+    if not lows:
+        return words.plain("synthesis.undetermined")
+    return words.plain(f"synthesis.{'undecided' if min(lows) else 'not_all_runs'}", low=min(lows))
 
 
 def _strengthened(results: Results, name: str, words: Words) -> Markup:
@@ -131,17 +138,18 @@ def _strengthened(results: Results, name: str, words: Words) -> Markup:
     def where(each: SummaryRow) -> str:
         return f"{limit}, {direction_name(each.direction or '')}"
 
+    if check.gain is None:  # one index is of a linear check, one is not
+        key = "synthesis.strengthened_by"
+    else:
+        key = "synthesis.strengthened" if apart(was, check) else "synthesis.strengthened_same"
     numbers = {"before": was.zeta_E, "after": check.zeta_E, "gain": check.gain}
     kinds = {"kind": _kind(check, words), "kind_before": _kind(was, words)}
-    said = {"state": name, "where": where(row), "outcome": _outcome(results, name, words), "least": ""}
-    least = known(least_row(results, name))
+    least, now_least = known(least_row(results, name)), Markup("")
     if least is not row:
         ratio = known(index_of(least, limit)).zeta_E
-        said["least"] = words("synthesis.strengthened_least", least=ratio, where=where(least))
-    kind = (
-        "" if check.gain is not None and apart(was, check) else "_same" if check.gain is not None else "_by"
-    )
-    return words(f"synthesis.strengthened{kind}", **said, **numbers, **kinds)
+        now_least = words("synthesis.strengthened_least", least=ratio, where=where(least))
+    outcome = _outcome(results, name, words)
+    return words(key, state=name, where=where(row), outcome=outcome, least=now_least, **numbers, **kinds)
 
 
 def synthesis_grid(results: Results, words: Words) -> Grid | None:
@@ -154,49 +162,49 @@ def synthesis_grid(results: Results, words: Words) -> Grid | None:
     listed = [name for name in LISTED if any(getattr(row, name) is not None for row in rows)]
     if "alpha_0" in listed and "alpha_u" in listed:
         listed.remove("alpha_u")
-    farthest = "/".join(sorted({row.limit_state for row in rows if row.limit_state}))
-    changed = bool(first) and any(row.checks[first].loss is not None for row in rows if first in row.checks)
-    dash = words("value.none")
-
-    def cells(row: SummaryRow) -> Iterator[str]:
-        yield from (words.state(row.state), direction_name(row.direction or "–"))
-        yield from (_ratio(row, limit, words) for limit in limits)
-        if changed:
-            loss = row.checks[first].loss if first else None
-            none = dash if row.state == ORIGINAL else words("value.open")
-            same = loss is not None and row.checks[known(first)].distinguishable is False
-            told = words("value.indistinct") if same else written("reduction", -(loss or 0.0), words)
-            yield none if loss is None else told
-        asked = {"static_pga_g": bool(row.checks), "d_0_m": row.alpha_0 is not None}
-        asked["dynamic_pga_g"] = results.states[row.state].incremental.records is not None
-        for name in listed:
-            value = getattr(row, name)
-            none = words("value.open") if row.direction and not name.endswith("_pga_g") else dash
-            yield none if value is None and not asked.get(name) else written(name, value, words)
-        moves = row.mechanism and row.direction
-        yield mechanism_name(results, row.state, moves, words) if moves else dash
-        if limits:
-            yield written("verified", row.verified, words)
-
-    judged = [limit for limit in limits if limit in ("SLV", "SLC")] or limits  # as `verified` of a row
-    texts = ["mechanism", *(["verified"] if limits else [])]
-    head = [heading("state", words), words("synthesis.direction")]
-    head += [words(f"synthesis.{'index' if limit == first else 'ratio'}", limit=limit) for limit in limits]
-    head += [words("synthesis.change")] if changed else []
-    head += [
-        words("synthesis.static", limit=farthest) if name == "static_pga_g" else heading(name, words)
-        for name in (*listed, *texts)
+    changed = any(
+        check.loss is not None for row in rows for limit, check in row.checks.items() if limit == first
+    )
+    columns = [
+        "state",
+        "direction",
+        *limits,
+        *["reduction"] * changed,
+        *listed,
+        "mechanism",
+        *["verified"] * bool(limits),
     ]
-    text = [True, True, *[False] * (len(head) - 2 - len(texts)), *[True] * len(texts)]
+    farthest = "/".join(sorted({row.limit_state for row in rows if row.limit_state}))
+    heads = {
+        limit: words(f"synthesis.{'index' if limit == first else 'ratio'}", limit=limit) for limit in limits
+    }
+    heads |= {"direction": words("synthesis.direction"), "reduction": words("synthesis.change")}
+    heads |= {"static_pga_g": words("synthesis.static", limit=farthest)}
+    judged = [limit for limit in limits if limit in ("SLV", "SLC")] or limits  # as `verified` of a row
     caption = words("caption.synthesis_judged" if judged else "caption.synthesis", limits=", ".join(judged))
-    return Grid(caption, head, [[Markup.escape(cell) for cell in cells(row)] for row in rows], text)
+    cells = [_cells(results, row, first, listed, words) for row in rows]
+    return grid(Table("synthesis", cells, tuple(columns)), words, caption, heads=heads)
 
 
-def _ratio(row: SummaryRow, limit: str, words: Words) -> Markup:
-    check = row.checks.get(limit)
-    if check is None or check.zeta_E is None:
-        return words("value.none" if check is None else "value.open")
-    return written("zeta_E", check.zeta_E, words)
+def _cells(results: Results, row: SummaryRow, first: str | None, listed: Sequence[str], words: Words) -> Row:
+    """Return a row of the first page; without what it cannot have, of `listed` quantities those of another analysis."""
+    found: Row = {"state": row.state} | present({"direction": row.direction}) | {"verified": row.verified}
+    found |= {limit: written("zeta_E", check.zeta_E, words) for limit, check in row.checks.items()}
+    if row.state != ORIGINAL and first and (check := row.checks.get(first)):
+        same = check.loss is not None and check.distinguishable is False
+        found["reduction"] = (
+            words("value.indistinct") if same else None if check.loss is None else -check.loss
+        )
+    asked = {"static_pga_g": bool(row.checks), "d_0_m": row.alpha_0 is not None}
+    asked["dynamic_pga_g"] = results.states[row.state].incremental.records is not None
+    for name in listed:
+        if (value := getattr(row, name)) is not None or asked.get(name):
+            found[name] = value
+        elif row.direction and not name.endswith("_pga_g"):
+            found[name] = words("value.open")
+    if row.mechanism and row.direction:
+        found["mechanism"] = mechanism_name(results, row.state, row.direction, words)
+    return found
 
 
 def governing_mechanism(results: Results, words: Words) -> Markup:

@@ -3,7 +3,9 @@
 import math
 import re
 from collections.abc import Iterator, Sequence
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
+from importlib.resources import files
+
+import jinja2
 
 from assessment.ntc.tables import farthest
 from assessment.report.tables import Curves, Found, curves, table, without
@@ -266,30 +268,22 @@ def fragility_model(results: Results) -> bytes | None:
     Mean and standard deviation are those of the measure (g), median · exp(β²/2) and mean · √(exp β² − 1), as OpenQuake
     takes them. A fragility without β, or with one above WIDEST, is left out.
     """
-    document = Element("nrml", xmlns="http://openquake.org/xmlns/nrml/0.5")
-    model = SubElement(
-        document, "fragilityModel", id="collapse", assetCategory="buildings", lossCategory="structural"
-    )
-    SubElement(model, "description").text = results.title
-    SubElement(model, "limitStates").text = "collapse"
-    states = ((name, found.fragility) for name, found in _incrementals(results))
-    fits: list[tuple[str, str, float | None, float | None]]
-    fits = [(name, "PGA", fit.median_g, fit.dispersion) for name, fit in states if fit]
+    fits = [
+        (name, "PGA", x.fragility.median_g, x.fragility.dispersion)
+        for name, x in _incrementals(results)
+        if x.fragility
+    ]
+    moved: list[tuple[str, str, float | None, float | None]] = []
     if campaign := results.campaign:
         measure = "PGA" if campaign.measure == "PGA" else f"SA({campaign.period_s:g})"
-        moved = ((f"{each.settlement} {each.share:g}", each) for each in campaign.fragility)
-        fits += [(name, measure, each.median_g, each.beta) for name, each in moved]
-    for number, (name, measure, median, beta) in enumerate(fits, 1):
-        if not median or not beta or beta > WIDEST:
-            continue
-        own = re.sub(r"\W+", "_", f"{number} {name}", flags=re.ASCII)[:LONGEST]
-        function = SubElement(model, "fragilityFunction", id=own, format="continuous", shape="logncdf")
-        most, mean = median * math.exp(FARTHEST * beta), median * math.exp(0.5 * beta**2)
-        levels = {"noDamageLimit": "0.0", "minIML": "0.0", "maxIML": f"{most:.6g}"}
-        SubElement(function, "imls", levels, imt=measure)
-        spread = mean * math.sqrt(math.expm1(beta**2))
-        SubElement(function, "params", ls="collapse", mean=f"{mean:.6g}", stddev=f"{spread:.6g}")
-    if model.find("fragilityFunction") is None:
-        return None
-    indent(document)
-    return tostring(document, encoding="utf-8", xml_declaration=True)
+        moved = [(f"{x.settlement} {x.share:g}", measure, x.median_g, x.beta) for x in campaign.fragility]
+    functions = []
+    for number, (name, measure, median, beta) in enumerate([*fits, *moved], 1):
+        if median and beta and beta <= WIDEST:
+            own = re.sub(r"\W+", "_", f"{number} {name}", flags=re.ASCII)[:LONGEST]
+            mean, largest = median * math.exp(0.5 * beta**2), median * math.exp(FARTHEST * beta)
+            numbers = {"largest": largest, "mean": mean, "deviation": mean * math.sqrt(math.expm1(beta**2))}
+            functions.append({"id": own, "measure": measure} | numbers)
+    text = (files("templates") / "fragility.xml.j2").read_text(encoding="utf-8")
+    made = jinja2.Template(text, autoescape=True, trim_blocks=True)
+    return made.render(title=results.title, functions=functions).encode() if functions else None
