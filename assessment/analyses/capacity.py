@@ -149,8 +149,6 @@ def _assessed(
         made = made.replace(other_law=beside)
     if vertical := _vertical(model, capacity, checks.get("SLV linear"), demands.spectra):
         made = made.replace(vertical=vertical)
-    if demands.hazard is not None and "SLV" in demands.spectra:
-        made = made.replace(scalings=_scalings(capacity, checks["SLV"], demands.spectra["SLV"], method))
     if project.incremental or project.campaign:
         made = made.replace(nominal=nominal_check(capacity, demands.spectra, method))
     if elastic is not None and fit.alpha_y is not None and fit.way is not None:
@@ -245,18 +243,6 @@ def _elastic_end(elastic: ElasticPush | None) -> float | None:
     if multiplier[-1] <= PAST_PEAK * max(multiplier) and not (elastic.lost or elastic.reached_zero):
         return None
     return max(map(abs, elastic.curve.displacement_m))
-
-
-def _scalings(
-    capacity: oscillator.CapacityCurve, used: parts.Check, spectrum: Spectrum, method: Method
-) -> dict[str, parts.ScaledCheck]:
-    """Return the check at SLV by both ways of scaling the demand; the check itself has the trace of the one `used`."""
-    ways, common = {"shape": "demand-shape", "return_period": "grid"}, len(capacity.steps())
-    found = {ways[method.scaling]: check_of(parts.ScaledCheck, used.replace(trace=[]), 0, used=True)}
-    for scaling in ways.keys() - {method.scaling}:
-        other = verify(capacity, {"SLV": spectrum}, replace(method, scaling=scaling))["SLV"]
-        found[ways[scaling]] = check_of(parts.ScaledCheck, other, common, used=False)
-    return found
 
 
 def _vertical(

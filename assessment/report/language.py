@@ -254,7 +254,6 @@ WRITERS: Mapping[str, Callable[[Any, Words], str]] = {
     "verified": lambda value, words: words.plain(f"value.{'verified' if value else 'not_verified'}"),
     "distinguishable": lambda value, words: words.plain(f"value.{'distinct' if value else 'indistinct'}"),
     "kind": lambda value, words: words.plain(f"value.{value}_spectrum"),
-    "scaling": lambda value, words: words.plain(f"value.scaling_{value.replace('-', '_')}"),
     "macro_element": lambda value, words: words.plain("value.whole_structure") if value == WHOLE else value,
     "return_period_years": _return_period,
     "T_SLV_years": _return_period,

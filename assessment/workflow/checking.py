@@ -72,11 +72,10 @@ def describe(project: Project, model: ProjectModel) -> Results:
 
 def _summary(project: Project, model: ProjectModel) -> parts.ModelSummary:
     a = model.assembly
-    points = 4 * int(np.maximum(a.contacts.segments, 1).sum())
     found = parts.ModelSummary(
         blocks=len(a.blocks), movable_blocks=int(a.movable.sum()), joints=len(a.joints.a),
         unknowns=3 * len(a.joints.a),  # N, P and T of each joint
-        paper_contact_points=points, contact_points=points, weight_kN=a.weight, self_weight_stable=True,
+        contact_points=4 * int(np.maximum(a.contacts.segments, 1).sum()), weight_kN=a.weight, self_weight_stable=True,
         warnings=list(model.warnings),
     )  # fmt: skip
     ties = {name: project.ties_of(name) for name in project.states}

@@ -33,7 +33,7 @@ def results_example(language: str = "it") -> dict[str, Any]:
         "title": "Arco di prova" if language == "it" else "Trial arch",
         "inputs": {"project.toml": "0" * 64, "geometry.dxf": "1" * 64},
         "model": {
-            "blocks": 7, "movable_blocks": 5, "joints": 6, "unknowns": 18, "paper_contact_points": 24,
+            "blocks": 7, "movable_blocks": 5, "joints": 6, "unknowns": 18,
             "contact_points": 24, "weight_kN": 11.5 * 0.1 * _area() + 0.5, "self_weight_stable": True,
             "warnings": ["layer PIERS: 2 gaps of 0.9 mm were taken as closed"],
         },

@@ -156,18 +156,6 @@ def linear_checks(results: Results) -> Found:
                 yield where | {"limit_state": limit, "e_star": check.e_star} | numbers, check
 
 
-@table(
-    "scalings",
-    "state direction limit_state scaling a_g_g pga_g demand_pga_g zeta_E return_period_years counts",
-)
-def scalings(results: Results) -> Found:
-    """Set the capacity at SLV by both ways of scaling side by side; `counts`: the one that the checks took."""
-    for name, direction, capacity in capacities(results):
-        for scaling, check in (capacity.scalings or {}).items():
-            where = {"state": name, "direction": direction, "limit_state": "SLV"}
-            yield where | {"scaling": scaling, "counts": check.used}, check
-
-
 def calculations(results: Results) -> Iterator[tuple[str, str, str, list[Line]]]:
     """Yield state, direction and part of every calculation with its steps; of a mechanism "name: part".
 
@@ -183,8 +171,7 @@ def calculations(results: Results) -> Iterator[tuple[str, str, str, list[Line]]]
     for state, direction, prefix, of in found:
         steps = {"capacity": of.trace} | {limit: check.trace for limit, check in of.checks.items()}
         if isinstance(of, Capacity):
-            other = next((each for each in (of.scalings or {}).values() if not each.used), None)
-            beside = {"vertical": of.vertical, "other_scaling": other, "nominal": of.nominal}
+            beside = {"vertical": of.vertical, "nominal": of.nominal}
             steps |= {part: each.trace for part, each in beside.items() if each}
         for part, own in steps.items():
             if own:

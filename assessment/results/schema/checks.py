@@ -63,12 +63,6 @@ class Check(MassShares):
     zeta_E_range: list[float | None] | None = optional("least and largest of an ensemble")
 
 
-class ScaledCheck(Check):
-    """`capacity.+x.scalings`: SLV by a way of following the demand up to the capacity."""
-
-    used: bool = key("whether the checks took it; its trace is then theirs", "Valore adottato|Used")
-
-
 class NominalCheck(Check):
     """`capacity.+x.nominal`: the check with F_C = 1 that is compared with a dynamic capacity."""
 
@@ -139,7 +133,6 @@ class Capacity(_Checked, MassShares):
     curve: OscillatorCurve = key("capacity curve")
     trace: list[Line] = key("calculation of the curve")
     vertical: VerticalCheck | None = optional("linear check with the vertical component, where asked for")
-    scalings: dict[str, ScaledCheck] | None = optional("SLV by both ways of scaling, where a grid is given")
     nominal: NominalCheck | None = optional("check with F_C = 1, where there is an incremental analysis")
 
     @property

@@ -18,8 +18,7 @@ pytestmark = pytest.mark.usefixtures("quick")
 
 CONTRACT = {  # keys, of what stands where in results.json
     "": "assesto title inputs model states comparison quality timing_s",
-    "model": "blocks movable_blocks joints unknowns paper_contact_points contact_points weight_kN "
-    "self_weight_stable warnings",
+    "model": "blocks movable_blocks joints unknowns contact_points weight_kN self_weight_stable warnings",
     "quality": "solves worst_equilibrium_residual worst_penetration_m worst_complementarity warnings",
     "timing_s": "pushdown pushover",
     "comparison 0": "state direction static_pga_g static_reduction dynamic_pga_g dynamic_reduction",
@@ -49,8 +48,8 @@ def test_results_have_the_keys_of_the_contract(project):
     assert found["inputs"]["geometry.dxf"] == hashlib.sha256(drawing).hexdigest()
     assert found["inputs"].keys() == {"project.toml", "geometry.dxf"}
     model = found["model"]
-    counts = ("blocks", "movable_blocks", "joints", "unknowns", "paper_contact_points", "contact_points")
-    assert [model[key] for key in counts] == [2, 1, 1, 3, 4, 4]
+    counts = ("blocks", "movable_blocks", "joints", "unknowns", "contact_points")
+    assert [model[key] for key in counts] == [2, 1, 1, 3, 4]
     assert model["weight_kN"] == pytest.approx(0.6 * 4.2 * 18.0) and model["self_weight_stable"] is True
     for name, state in found["states"].items():
         assert state["history"] == [] and state["capacity"]["+x"]["SLV"]["a_g_g"] is not None, name

@@ -83,7 +83,7 @@ FREE = {
 def described(results: dict[str, Any]) -> list[tuple[Any, ...]]:
     """Tables of results whose keys the schema knows, one of each kind."""
     # one level of names
-    named = {"states", "spectra", "pushdown", "pushover", "capacity", "scalings", "messages", "checks"}
+    named = {"states", "spectra", "pushdown", "pushover", "capacity", "messages", "checks"}
     found: dict[tuple[Any, ...], tuple[Any, ...]] = {}
     for path in places(results):
         if not FREE & {*path} and not (path and path[-1] in named):

@@ -16,7 +16,7 @@ from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.chapters.calculation_annex import traces, typeset
 from assessment.report.language import Words, words_of
-from assessment.report.tables.capacity import scalings, trace, verification
+from assessment.report.tables.capacity import trace, verification
 from assessment.results.schema import as_bytes
 from assessment.results.schema.part import plain
 from assessment.results.summary import summary_of
@@ -254,24 +254,6 @@ def test_zeta_does_not_know_the_unit_of_the_drawing(tmp_path):
             [row[key] or 0.0 for key in ("d_star_m", "a_star_g", "a_g_g", "zeta_E")] for row in (one, other)
         ]
         assert numbers[0] == pytest.approx(numbers[1], rel=1e-6)
-
-
-@pytest.mark.parametrize("name", ["site table, bilinear", "grid, rigid, along the return period"])
-def test_both_ways_of_following_the_demand_are_printed(results, name):
-    """Two rows of each state and direction at SLV: the way that counts gives the check, each its own return period."""
-    rows = scalings(results[name]).rows
-    counts, other = ("grid", "demand-shape") if name.startswith("grid") else ("demand-shape", "grid")
-    assert [row["scaling"] for row in rows] == [counts, other] * 4
-    checks = {
-        (row["state"], row["direction"]): row
-        for row in verification(results[name]).rows
-        if row["limit_state"] == "SLV"
-    }
-    for row in rows:
-        check = checks[row["state"], row["direction"]]
-        assert row["counts"] == (row["scaling"] == counts)
-        assert (row["a_g_g"] == check["a_g_g"]) == row["counts"]
-        assert row["return_period_years"] > 0.0
 
 
 ENGLISH, ITALIAN = Words.of("en"), Words.of("it")
