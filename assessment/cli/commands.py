@@ -71,11 +71,10 @@ def check(options: argparse.Namespace) -> int:
     from assessment.project.model import with_repaired_drawing
     from assessment.project.motions import described
     from assessment.project.project import load_project
-    from assessment.report.chapters.judgement import refuse_unreadable
+    from assessment.report.chapters.judgement import model_summary, refuse_unreadable
     from assessment.report.figures.drawing import draw_faults, draw_model
     from assessment.report.figures.style import save_svg
     from assessment.report.language import Words
-    from assessment.report.terminal import model_summary
     from assessment.workflow.checking import checked, expected_line
     from mechanics.errors import FaultyDrawingError
 
@@ -243,7 +242,7 @@ def warning_lines(warnings: Iterable[str]) -> list[str]:
 
 def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
     """Return a summary of the run: what was found, a table by state and direction, then the warnings."""
-    from assessment.report.terminal import told
+    from assessment.report.chapters.judgement import told
 
     lines = [outcome.told or told(outcome.results)]
     if outcome.taken:

@@ -19,7 +19,6 @@ from PIL import ImageOps
 
 from assessment.ntc.tables import farthest
 from assessment.report.chapters import grids, judgement, remarks, synthesis
-from assessment.report.chapters.calculation_annex import traces
 from assessment.report.chapters.judgement import all_warnings
 from assessment.report.chapters.remarks import RISK, used_as
 from assessment.report.figures.index import pictures
@@ -110,7 +109,7 @@ def render_html(
         file = stored(number, name)
         address = _address((figures.parent / file).read_bytes(), "png" if file.endswith("png") else "jpeg")
         attached.append(Embedded(file, Path(name).stem.replace("_", " "), address))
-    calculations = list(traces(results, words))
+    calculations = list(grids.traces(results, words))
     states = results.states.values()
     shaken = any(state.history or state.incremental.records is not None for state in states)
     there: dict[str, Any] = {

@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from assessment.analyses import record_set as sets
+from assessment.analyses import demand
 from assessment.analyses.capacity import assess, capacities, told
 from assessment.analyses.demand import Demands
 from assessment.analyses.found import as_part, finest
-from assessment.analyses.fragility import ENOUGH
+from assessment.analyses.fragility import ENOUGH, Measures, ordinate
 from assessment.analyses.scan import Reach
 from assessment.analyses.states import Request, StateResult, analyse_states, curves
 from assessment.analyses.time_history import Setting, Shaking, Start, ultimates, why_not_reached
@@ -132,11 +132,11 @@ def record_set(
     if table.generated:
         seeds = range(1, table.generated + 1)
         tasks, titles = [(target, seed) for seed in seeds], [f"record {seed}" for seed in seeds]
-        made = statics.workers.each("campaign: records", sets.made_record, tasks, titles, table.generated > 1)
+        made = statics.workers.each("campaign: records", demand.made_record, tasks, titles, len(tasks) > 1)
         found = [motion_of(statics.project, "campaign", table, record) for record in made]
     if table.spectrum_compatible:
-        found = sets.scaled_to(target, found, table)
-    return found, sets.compatibility(limit_state, target, found, table)
+        found = demand.scaled_to(target, found, table)
+    return found, demand.compatibility(limit_state, target, found, table)
 
 
 def campaign(
@@ -145,7 +145,7 @@ def campaign(
     """Run every combination that [campaign] asks for and return the results; `motions`: of the files that it names."""
     project, table = statics.project, known(statics.project.campaign)
     records, spectrum = record_set(statics, table, motions)
-    ratio = [sets.ordinate(each, table.period_s) / each.pga if table.period_s else 1.0 for each in records]
+    ratio = [ordinate(each, table.period_s) / each.pga if table.period_s else 1.0 for each in records]
     reported = {note for motion in motions for note in motion.notes}
     study.warnings += [note for motion in records for note in motion.notes if note not in reported]
     moved = moved_states(statics, study)
@@ -161,7 +161,7 @@ def campaign(
     asked = asked_for(shakings, table.signs, reach, image)
     scans.settle("campaign", asked, not table.levels_g, study)
     rows = _rows(asked, scans, table, study)
-    measures = sets.Measures.of(project, records)
+    measures = Measures.of(project, records)
     by_state = {
         state: [(each, row) for each, row in zip(asked, rows, strict=True) if each.state is state]
         for state in moved
@@ -246,7 +246,7 @@ def _findings(found: dynamic.Campaign) -> Iterator[Message]:
         yield message(
             "the mean spectrum of the records deviates from that of the site by {low:.0%} to {high:.0%}; "
             "{usual_low:.0%} to {usual_high:.0%} is usual", low=found.spectrum.lowest_deviation,
-            high=found.spectrum.highest_deviation, usual_low=sets.LOW, usual_high=sets.HIGH,
+            high=found.spectrum.highest_deviation, usual_low=demand.LOW, usual_high=demand.HIGH,
         )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from assessment.analyses import fragility
 from assessment.analyses.found import accuracy_of, as_part
-from assessment.analyses.record_set import Measures
+from assessment.analyses.fragility import Measures
 from assessment.analyses.time_history import MotionInputs, Start
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ORIGINAL, CampaignTable

@@ -76,7 +76,7 @@ def recall(folder: Path) -> LastRun | None:
 
 def remember(folder: Path, outcome: Outcome, key: str, warnings: list[str]) -> None:
     """Store the record of a run in its output folder, for the next run."""
-    from assessment.report.terminal import told  # late: see run.py
+    from assessment.report.chapters.judgement import told  # late: see run.py
 
     number = outcome.computed + outcome.taken
     left = LastRun(key, _digests(folder), outcome.complete, number, warnings, told(outcome.results))

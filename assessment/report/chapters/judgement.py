@@ -1,4 +1,7 @@
-"""A judgement drafted in plain words from the numbers (NTC 2018, §10.2), in a file that the engineer edits."""
+"""A judgement drafted in plain words from the numbers (NTC 2018, §10.2), in a file that the engineer edits.
+
+Before it what the terminal tells: the same findings.
+"""
 
 import codecs
 import hashlib
@@ -13,7 +16,7 @@ import numpy as np
 from markupsafe import Markup
 
 from assessment.report.chapters.remarks import SCHOOL, agreement, used_as
-from assessment.report.chapters.synthesis import lead
+from assessment.report.chapters.synthesis import lead, synthesis_grid
 from assessment.report.language import Words, check_name, plain_text
 from assessment.report.tables import capacities, moves
 from assessment.report.tables.mechanisms import balance
@@ -21,7 +24,7 @@ from assessment.report.tables.structure import tensions
 from assessment.report.tables.studies import bars
 from assessment.results.hand_check import hand_checks
 from assessment.results.schema import Results, present
-from assessment.results.summary import determined_indices
+from assessment.results.summary import best_of, determined_indices, fits, movement_text, settlement_lines
 from assessment.results.table import among_known, compared, reference_of
 from assessment.runtime.errors import ProjectError
 
@@ -203,6 +206,36 @@ def _trust(results: Results, words: Words) -> Iterator[Markup]:
 def all_warnings(results: Results) -> list[str]:
     """Return the warnings of model, run and solves, each once."""
     return list(dict.fromkeys([*results.model.warnings, *results.quality.warnings]))
+
+
+def told(results: Results) -> str:
+    """Return what the terminal tells, in English: findings, model, table of the first page, best movement."""
+    words = Words.of("en")
+    lines = [*map(plain_text, findings(results, words)), "", model_summary(results)]
+    if grid := synthesis_grid(results, words):
+        texts = [[plain_text(cell) for cell in row] for row in (grid.head, *grid.rows)]
+        widths = [max(map(len, column)) for column in zip(*texts, strict=True)]
+        lines += ["  ".join(map(str.ljust, row, widths)).rstrip() for row in texts]
+    identified = results.identification
+    if identified and (best := best_of(identified)):  # as the project file has it too
+        moved, freedom = "; ".join(map(movement_text, best.movement)), best.degrees_of_freedom
+        lines.append(f"best movement: {moved} (χ² {best.chi_squared:.3g}, {freedom} degrees of freedom)")
+        if identified.settlements and not fits(best):
+            lines.append("  # does not fit the measurements: not to be used")
+        lines += [f"  {line}" for ready in identified.settlements for line in settlement_lines(ready)]
+    return "\n".join(lines)
+
+
+def model_summary(results: Results) -> str:
+    """Return a summary of the model, a few lines."""
+    model = results.model
+    ties = f", ties {len(model.ties)}" if model.ties else ""
+    stands = "yes" if model.self_weight_stable else "NO"
+    return (
+        f"{results.title}\n"
+        f"  blocks {model.blocks} ({model.movable_blocks} movable), joints {model.joints}, unknowns {model.unknowns}"
+        f"{ties}\n  weight {model.weight_kN:.4g} kN; stands under its own weight: {stands}"
+    )
 
 
 NAME = "judgement.md"

@@ -9,7 +9,9 @@ from scipy.optimize import minimize
 from scipy.special import log_ndtr
 from scipy.stats import CensoredData, norm
 
+from assessment.analyses.demand import compatibility, scaled_to
 from assessment.analyses.fragility import (
+    Measures,
     RecordLevel,
     confidence,
     fit_levels,
@@ -17,7 +19,6 @@ from assessment.analyses.fragility import (
     over_records,
     samples_of_records,
 )
-from assessment.analyses.record_set import Measures, compatibility, scaled_to
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.project.motions import BaseMotion, check_record_set, doubtful_records
 from assessment.project.schema import CampaignTable

@@ -9,11 +9,11 @@ import pytest
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.project.schema import SettlementTable
+from assessment.report.chapters.judgement import told
 from assessment.report.chapters.remarks import ready_lines
 from assessment.report.document import tables
 from assessment.report.figures.deformed import MEASURED, draw_identification
 from assessment.report.language import words_of
-from assessment.report.terminal import told
 from assessment.results.joint_states import outlines
 from assessment.results.summary import fits
 from assessment.studies import identification

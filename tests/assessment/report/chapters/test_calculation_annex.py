@@ -14,7 +14,7 @@ from assessment.cli.main import main
 from assessment.ntc.hazard import RETURN_PERIODS
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.report.chapters.calculation_annex import traces, typeset
+from assessment.report.chapters.grids import traces, typeset
 from assessment.report.language import Words, words_of
 from assessment.report.tables.capacity import trace, verification
 from assessment.results.schema import as_bytes

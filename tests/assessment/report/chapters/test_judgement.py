@@ -168,7 +168,7 @@ def test_markdown_of_a_judgement(text, html):
 def test_a_run_prints_the_edited_judgement_and_leaves_the_file(results, tmp_path, monkeypatch):
     monkeypatch.setattr("assessment.report.figures.index.pictures", lambda _: [])
     monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
-    monkeypatch.setattr("assessment.report.figures.deformed_dxf.write_deformed", lambda *_: None)
+    monkeypatch.setattr("assessment.report.figures.index.write_deformed", lambda *_: None)
     write_figures(Pool(0, typed(results)), tmp_path / "figures")
     write(typed(results), tmp_path, report=False)
     path = tmp_path / NAME

@@ -5,7 +5,7 @@ import pytest
 from ezdxf.entitydb import EntityDB
 from ezdxf.filemanagement import readfile
 
-from assessment.report.figures.deformed_dxf import shapes, write_deformed
+from assessment.report.figures.index import shapes, write_deformed
 from assessment.results.joint_states import outlines
 from tests.support.analysed import analysed
 from tests.support.typed import typed
