@@ -3,21 +3,12 @@
 Of each 4, one of a kind, and 200 with ASSESTO_STRESS=long.
 """
 
-from collections import Counter
-from collections.abc import Callable
-from importlib import import_module
-from unittest.mock import patch
-
 import numpy as np
 import pytest
 
-from mechanics import Assembly, pushdown, pushover
+from mechanics import pushdown
 from mechanics.errors import (
     CollapseError,
-    ControlError,
-    ConvergenceError,
-    NoEquilibriumError,
-    UnstableError,
 )
 from mechanics.program import certify
 from mechanics.solvers import lp_highs, solve
@@ -29,7 +20,6 @@ from tests.stress.test_stress import LONG
 from tests.support.steps import euler_step, shaken, static_step
 
 COUNT = 200 if LONG else 4
-step_control = import_module("mechanics.procedures.step_control")
 
 
 def test_multipliers():
@@ -88,76 +78,3 @@ def test_on_random_paths_flat_supports_carry_no_more_than_friction(seed):
         held = fixed[step.contacts.a] | fixed[step.contacts.b]
         n, t = step.forces[held, 0], step.forces[held, 2]
         assert (abs(t) <= step.contacts.friction[held] * n + 1e-6 * model.weight).all()
-
-
-def counted(model: Assembly) -> Counter[str]:
-    """What becomes of a settlement and of two pushes of an assembly, and of the steps on their way."""
-    found: Counter[str] = Counter()
-    find = step_control.find_equilibrium
-
-    def watched(*arguments: object) -> object:
-        found["steps"] += 1
-        try:
-            return find(*arguments)
-        except ConvergenceError:
-            found["attempts failed"] += 1
-            raise
-        except NoEquilibriumError:
-            found["no equilibrium"] += 1
-            raise
-
-    def path(run: Callable[[], object]) -> object:
-        found["paths"] += 1
-        try:
-            return run()
-        except CollapseError as collapse:
-            found["lost"] += 1
-            return collapse.path
-        except ConvergenceError:
-            found["not solved"] += 1
-        except (UnstableError, NoEquilibriumError, ValueError):
-            found["refused"] += 1
-        return None
-
-    support = next(b.support for b in model.blocks if b.support)
-    top = max((b for b in model.blocks if b.support is None), key=lambda b: float(b.polygon[:, 1].max()))
-    control, size = top.centroid, model.size
-    with patch.object(step_control, "find_equilibrium", watched):
-        way = (0.05 * size, -0.05 * size)
-        moved = path(lambda: pushdown(model, support, way, increment=0.0125 * size, contacts="elastic"))
-        for state in (None, getattr(moved, "final", None)):
-            path(lambda state=state: pushover(model, control, "+x", "elastic", 0.02 * size, state, until=0.5))
-    return found
-
-
-def test_exact_beds_need_no_points():
-    """A path in a hundred at most is not solved, and a step in a hundred has to be tried again in shorter ones."""
-    found = Counter[str]()
-    for _, model in assemblies(3):
-        found += counted(model)
-    assert found["paths"] == 9
-    assert found["not solved"] <= 0.01 * found["paths"]
-    assert found["attempts failed"] <= 0.01 * found["steps"]
-
-
-def same_peak(model: Assembly) -> float:
-    """By how much 32 points are stronger than the exact bed, of the exact one's largest multiplier."""
-    top = max((b for b in model.blocks if b.support is None), key=lambda b: float(b.polygon[:, 1].max()))
-    peaks = [
-        pushover(
-            Assembly(model.blocks, segments), top.centroid, "+x", "elastic", 0.01 * model.size, until=0.9
-        ).multiplier.max()
-        for segments in (None, 32)
-    ]
-    return float(np.diff(peaks)[0] / peaks[0])
-
-
-def test_peaks_of_points_lie_above_those_of_the_exact_bed():
-    """By little, and where joints do not slide: 32 segments are stiffer by 2/32² in rotation."""
-    over = []
-    for _, model in assemblies(3):
-        try:
-            over.append(same_peak(model))
-        except (ControlError, NoEquilibriumError, UnstableError):
-            continue
-    assert np.median(over) < 0.02 and min(over) > -0.01

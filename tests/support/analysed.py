@@ -16,6 +16,7 @@ from assessment.workflow.stages import run
 
 SETTLED = "right support 60 mm"
 PROJECT = """title = "Small arch"
+scatter = 2
 
 [geometry]
 drawing = "geometry.dxf"

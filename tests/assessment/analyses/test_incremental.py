@@ -135,7 +135,7 @@ STATICS = ("self-weight", "settlement", "friction at rest, as drawn", "friction 
 
 def test_the_time_step_is_halved_over_all_levels_and_the_finest_counts(project):
     asked = project.incremental.model_copy(update={"states": ("original",), "records": ("wave.csv",)})
-    standard = project.model_copy(update={"campaign": None, "incremental": asked, "accuracy": "standard"})
+    standard = project.model_copy(update={"campaign": None, "incremental": asked, "accuracy": 0.1})
     fine = plain(run(standard, build_model(standard), 1).results)
     rows = fine["convergence"]["incremental"]
     assert len(rows) == 2

@@ -48,7 +48,7 @@ def short(monkeypatch):
 @pytest.fixture
 def fine(monkeypatch, short):
     """As by default, where the way to a movement tells which joints open."""
-    monkeypatch.setattr(search_module, "FINE", 10)
+    monkeypatch.setattr(search_module, "FINE", 5)
 
 
 @pytest.fixture(scope="module")
@@ -175,7 +175,7 @@ def test_supports_do_not_rise_unless_they_may(identify, model, tmp_path):
 
 def test_a_movement_that_the_structure_does_not_survive_is_no_answer(identify, tmp_path):
     wide = entry("span", "span", SPRINGING, 200.0, 1.0)
-    found, study = identify(write_surveyed(tmp_path, '[{ destro = ["x"] }]', wide, sliding="coulomb"))
+    found, study = identify(write_surveyed(tmp_path, '[{ destro = ["x"] }]', wide))
     [explained] = found.hypotheses
     assert explained.at_collapse and explained.movement[0].x_m < 0.199
     assert any("beyond what the structure survives" in text for text in study.findings)

@@ -22,39 +22,29 @@ def settled_wall(friction, height, split, width, rows, movement, step, strength=
     return model, pushdown(model, "right", movement, increment=step).final
 
 
-@pytest.mark.parametrize("increment", [0.01, 0.003])
-def test_the_peak_of_a_curve_is_that_of_limit_analysis_in_its_state(increment):
+def test_the_peak_of_a_curve_is_that_of_limit_analysis_in_its_state():
     """Behind a joint that closes, forces that slides leave open balance other multipliers: 0.447 and 0.409."""
     rows = [(0.0, 0.636, 1.272, 1.908), (0.0, 0.2961, 0.9321, 1.5682)]
     rows = [*rows, rows[0], (0.0, 0.368, 1.004, 1.6401)]
     model, settled = settled_wall(0.7756, 0.3, 0.954, 2.0, rows, (0.0262461, -0.0111493), 0.002)
-    curve = pushover(model, increment=increment, state=settled)
+    curve = pushover(model, increment=0.01, state=settled, until=0.7)
     peak = curve.states[curve.peak]
     assert curve.alpha_0 == pytest.approx(limit_analysis(model, "+x", peak).alpha, rel=1e-3)
     assert curve.alpha_0 == pytest.approx(0.353, rel=0.01)
     assert (curve.dropped[:, 1] > 1.2 * curve.alpha_0).all() and len(curve.dropped)
 
 
-def test_a_peak_that_only_a_lift_balances_is_none():
-    """Contact dynamics of its own falls at 0.543: a point where no flow without lift is found was told, 0.637."""
-    full, starts = (0.0, 0.4922, 0.9844, 1.4766, 1.9688), (0.27, 0.2396, 0.2002)
-    rows = [row for start in starts for row in (full, (0.0, *(start + 0.4922 * k for k in range(4))))]
-    model, settled = settled_wall(0.783, 0.2502, 1.479, 1.861, rows, (0.0029949, -0.0040039), 0.0004)
-    assert pushover(model, increment=0.002, state=settled).alpha_0 < 1.03 * 0.543
-
-
 def test_a_finite_strength_raises_no_peak():
     """Held against no limit analysis it was 0.555, where joints that cannot be crushed have 0.539."""
     rows = [(0.0, 0.5, 1.0, 1.5), (0.0, 0.25, 0.75, 1.25, 1.5)]
     rows = [*rows, *rows, rows[0]]
-    model, settled = settled_wall(0.7, 0.25, 0.5, 1.5, rows, (0.02259, -0.02556), 0.002, strength=1e7)
-    curve = pushover(model, (1.5, 1.25), increment=0.004, state=settled)
+    model, settled = settled_wall(0.7, 0.25, 0.5, 1.5, rows, (0.02259, -0.02556), 0.005, strength=1e7)
+    curve = pushover(model, (1.5, 1.25), increment=0.004, state=settled, until=0.8)
     limit = limit_in(model.uncrushed, "+x", curve.states[curve.peak])
     assert curve.alpha_0 <= 1.001 * limit.alpha and len(curve.dropped)
 
 
-@pytest.mark.parametrize("increment", [0.001, 0.003])
-def test_the_least_dilation_that_has_a_flow_decides(increment):
+def test_the_least_dilation_that_has_a_flow_decides():
     """A toothed wall of twelve, settled: contact dynamics of its own stands at 0.473 and falls at 0.477.
 
     Where a hinge has closed, forces by Coulomb's law miss equilibrium by 5 · 10⁻⁵. With a dilation of 0.001 limit
@@ -62,9 +52,8 @@ def test_the_least_dilation_that_has_a_flow_decides(increment):
     """
     rows = [(0.0, 0.6, 1.2, 1.8), (0.0, 0.3, 0.9, 1.5)] * 2
     model, settled = settled_wall(0.7, 0.3, 1.2, 2.2, rows, (0.01, -0.006), 0.001)
-    assert pushover(model, increment=increment, state=settled, until=0.6).alpha_0 == pytest.approx(
-        0.475, abs=2e-3
-    )
+    curve = pushover(model, increment=0.001, state=settled, until=0.8)
+    assert curve.alpha_0 == pytest.approx(0.475, abs=2e-3)
 
 
 @pytest.mark.parametrize(("dilation", "placed"), [(0.0, [0.3] * 6), (1.0, [])])
@@ -121,9 +110,8 @@ def test_points_beside_a_peak_of_another_flow_are_their_own():
     bases = {name: (low, -0.3, low + 1.0667, 0.0) for low, name in ((-1.4083, "left"), (0.3416, "right"))}
     model = built(Material(20.0, 0.747), *piers, *courses, **bases)
     settled = pushdown(model, "right", (-0.004935, 0.0008034), increment=0.0004935).final
-    assert pushover(model, None, "-x", increment=0.004, state=settled).alpha_0 == pytest.approx(
-        0.515, rel=0.01
-    )
+    curve = pushover(model, None, "-x", increment=0.004, state=settled)
+    assert curve.alpha_0 == pytest.approx(0.515, rel=0.01)
 
 
 def test_the_peak_of_joints_that_crush_is_kept():
@@ -140,7 +128,7 @@ def test_the_peak_of_joints_that_crush_is_kept():
 def test_an_elastic_curve_on_which_an_end_brick_rocks_does_not_change_to_its_sliding(case, told):
     """Told 1.16 and 1.08, where motions under a load that rises slowly fall from 0.88 and 0.44 on."""
     model = dict(assemblies(24, seed=5))[case]
-    rigid = pushover(model, increment=0.02 * model.size)
+    rigid = pushover(model, increment=0.02 * model.size, until=0.9)
     elastic = pushover(model, contacts="elastic", increment=0.02 * model.size, until=0.25)
     assert elastic.alpha_0 == pytest.approx(told, rel=1e-3)
     assert elastic.alpha_0 < rigid.alpha_0

@@ -56,26 +56,17 @@ def test_the_corner_of_a_springing_refuses_no_strength(lip, ledge):
 
     With elastic joints Newton crept, with rigid ones the hinges did not settle, or a narrow ledge was no equilibrium.
     """
-    curves = [
-        [
-            pushover(
-                springing_arch(lip, ledge, strength, 1e6),
-                (1.9, 2.0),
-                contacts=contacts,
-                increment=0.005,
-                until=0.9,
-            )
-            for strength in (np.inf, 1e5, 5000.0, 1000.0)
-        ]
+    models = [springing_arch(lip, ledge, strength, 1e6) for strength in (np.inf, 1e5, 5000.0, 1000.0)]
+    asked = {"control": (1.9, 2.0), "increment": 0.005, "until": 0.9, "sliding": "associative"}
+    rigid, elastic = (
+        [pushover(model, contacts=contacts, **asked).alpha_0 for model in models]
         for contacts in ("rigid", "elastic")
-    ]
-    rigid, elastic = ([curve.alpha_0 for curve in each] for each in curves)
+    )
     lost = rigid[0] - np.array(rigid[1:])
     assert 0.0 < lost[0] < 2e-3 * rigid[0]
     assert 0.7 * 20.0 < lost[1] / lost[0] < 1.3 * 20.0 and 0.7 * 5.0 < lost[2] / lost[1] < 1.3 * 5.0
-    assert elastic == pytest.approx(
-        [elastic[0]] * 4, rel=2e-3
-    )  # so soft, their edges bear more than they crush
+    # so soft, their edges bear more than they crush
+    assert elastic == pytest.approx([elastic[0]] * 4, rel=2e-3)
 
 
 @pytest.mark.parametrize(("direction", "sliding"), [("+x", "associative"), ("-x", "coulomb")])
