@@ -28,7 +28,6 @@ MOST_BYTES = 20_000_000  # of a workbook's parts, unpacked; one with every key h
 MOST_ROWS, MOST_COLUMNS = 20_000, 200  # of a sheet
 WIDEST_ROW = 2000  # empty cells included
 _WORKBOOK, _SHEET = "xl/workbook.xml", re.compile(rb"<(?:\w+:)?sheet\s")
-_ROW = re.compile(rb"<(?:\w+:)?row[\s/>]")
 _SHEET_PART = re.compile(r"sheets/[^/]*\.xml$", re.IGNORECASE)
 # What openpyxl, which checks nothing, and the modules below it raise on parts that are not as they should be.
 _UNREADABLE = (
@@ -78,16 +77,11 @@ def read_sheets(path: Path) -> tuple[dict[str, Rows], dict[str, Rows]]:
             if size > MOST_BYTES:
                 text = f"holds {size} bytes, at most {MOST_BYTES}; delete rows, sheets and pictures"
                 raise ProjectError(f"{path.name}: file: {text} that are no part of the project")
-            # openpyxl passes over a sheet whose part is missing, and its stage would be switched off; of one that is
-            # there it reads on to the end, whatever it is asked for
+            # openpyxl passes over a sheet whose part is missing, and its stage would be switched off
             sheets = [*filter(_SHEET_PART.search, archive.namelist())]
             declared = archive.read(_WORKBOOK) if _WORKBOOK in archive.namelist() else b""
             if archive.testzip() is not None or len(_SHEET.findall(declared)) > len(sheets):
                 raise BadZipFile
-            longest = max((len(_ROW.findall(archive.read(part))) for part in sheets), default=0)
-            if longest > MOST_ROWS:
-                text = f"a sheet of {longest} rows, at most {MOST_ROWS}, empty ones included"
-                raise ProjectError(f"{path.name}: file: {text}; delete those below the last entry")
             books = [load_workbook(packed, read_only=True, data_only=values) for values in (True, False)]
             found = [[(sheet.title, _rows(sheet, path)) for sheet in book.worksheets] for book in books]
     except ProjectError:
@@ -107,14 +101,12 @@ def _rows(sheet: Any, path: Path) -> Rows:
     rows: Rows = {}
     for number, row in enumerate(sheet.iter_rows(max_row=MOST_ROWS + 1, values_only=True), 1):
         values = tuple(None if isinstance(v, str) and not v.strip() else v for v in row)
-        if number > MOST_ROWS:
-            text = f"a row beyond the {MOST_ROWS}th; delete those below the last entry"
-            raise ProjectError(f'{path.name}: sheet "{sheet.title}": {text}')
-        if len(values) > WIDEST_ROW or any(value is not None for value in values[MOST_COLUMNS:]):
-            text = f"more than {MOST_COLUMNS} columns; delete those right of the last key"
-            raise ProjectError(f'{path.name}: sheet "{sheet.title}", row {number}: {text}')
         if any(value is not None for value in values):
             rows[number] = values[:MOST_COLUMNS]
+        too_wide = len(values) > WIDEST_ROW or any(value is not None for value in values[MOST_COLUMNS:])
+        if too_wide or number > MOST_ROWS:
+            text = f"more than {MOST_ROWS} rows or {MOST_COLUMNS} columns; delete those beyond the last entry and key"
+            raise ProjectError(f'{path.name}: sheet "{sheet.title}": {text}')
     return rows
 
 

@@ -118,8 +118,6 @@ class Derived(Part):
     to_x_m: float = key("", "x_2", decimals=3)
     to_z_m: float = key("", "z_2", decimals=3)
     time_of_greatest_s: float = key("", "Istante|Time", null="none")
-    before: str = key("", "Prima|Before")
-    after: str = key("", "Dopo|After")
     alpha_own_run: float = key("", "α_0, analisi propria|α_0, own run")
     alpha_0_associative: float = key("", "α_0 con attrito associato|α_0, associative friction")
     alpha_0_coulomb: float = key("", "α_0 con attrito di Coulomb|α_0, Coulomb friction")
