@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from assessment.analyses.fragility import Dispersion, RecordLevel, over_records
 from assessment.analyses.histories import Scatter
 from assessment.analyses.scan import Reach, scan
-from assessment.analyses.time_history import Setting
+from assessment.analyses.time_history import Setting, Shaking
 from assessment.project.catalogue.new_project import TEMPLATES, new_project, template_options
 from assessment.project.model import build_model
 from assessment.project.motions import BaseMotion
@@ -145,7 +145,7 @@ def incremental(
     setting = Setting(MotionTable(contacts=contacts), ControlTable(name="control", point_m=(x, z)))
     reach = Reach(max_scale, width=tolerance_g)
     shaken = BaseMotion(record, record, record.pga, 1.0)
-    found = scan(model, shaken, setting, model.starting(state), Scatter(1, AGREE), reach)
+    found = scan(Shaking(model, shaken, setting, model.starting(state)), Scatter(1, AGREE), reach)
     if found.reason is not None:
         raise ConvergenceError(found.reason)
     # of a collapse there is no peak, NaN

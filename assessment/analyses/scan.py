@@ -26,10 +26,9 @@ import numpy as np
 
 from assessment.analyses.fragility import observed
 from assessment.analyses.histories import Scatter, Track, enough, lowest_median_highest
-from assessment.analyses.time_history import Setting, respond, thinned
-from assessment.project.motions import BaseMotion
+from assessment.analyses.time_history import Shaking, respond, thinned
 from assessment.results.schema.dynamic import Counts, Level, MemberCurve
-from mechanics import Assembly, ConvergenceError, State
+from mechanics import ConvergenceError
 from mechanics.messages import Message, message
 from mechanics.progress import stretch
 
@@ -79,21 +78,14 @@ class Scan:
 
 
 def scan(
-    model: Assembly,
-    motion: BaseMotion,
-    setting: Setting,
-    start: State,
-    scatter: Scatter,
-    reach: Reach,
-    near: float | None = None,
-    curves: tuple[int, ...] = (),
+    shaking: Shaking, scatter: Scatter, reach: Reach, near: float | None = None, curves: tuple[int, ...] = ()
 ) -> Scan:
     """Run the levels of a record from a state at rest.
 
     `near` (g): where collapse is expected, None: not known. `curves`: numbers of the motions of a level whose curves
     are kept. A motion that cannot be completed counts as a collapse: most of these fall.
     """
-    levels = _Motions(model, motion, setting, start, scatter, reach, curves)
+    levels, motion = _Motions(shaking, scatter, reach, curves), shaking.motion
     found = Scan(time_step=motion.record.time_step, stripes=bool(reach.stripes))
     began = time.perf_counter()
     if reach.stripes:
@@ -258,10 +250,7 @@ class _Member(Track):
 class _Motions:
     """The motions of a scan, level by level (g)."""
 
-    model: Assembly
-    motion: BaseMotion
-    setting: Setting
-    start: State
+    shaking: Shaking
     scatter: Scatter
     reach: Reach
     curves: tuple[int, ...]
@@ -275,19 +264,19 @@ class _Motions:
         """Run the motions of a level, of stripes the members of an ensemble; return the peak (m), ∞: collapse."""
         scatter = self.scatter if self.reach.stripes else replace(self.scatter, members=1)
         members: list[_Member] = []
-        while not enough(members, scatter, self.model.size):
+        while not enough(members, scatter, self.shaking.model.size):
             members.append(self._run(pga, len(members)))
         self.points[pga] = self._point(pga, members)
         peak = self.points[pga].peak_displacement_m
         return math.inf if peak is None else peak
 
     def _run(self, pga: float, number: int) -> _Member:
-        factor = self.scatter.strongest_first[number] * pga / self.motion.pga
+        factor = self.scatter.strongest_first[number] * pga / self.shaking.motion.pga
         done = self.counts["motions"]
         expected = max(len(self.reach.stripes) or EXPECTED, done + 1)
         with stretch(done / expected, (done + 1) / expected):
             try:
-                found = respond(self.model, self.motion, self.setting, self.start, factor, to_rest=False)
+                found = respond(self.shaking, factor, to_rest=False)
             except ConvergenceError as error:
                 self.refused[pga] = error.message
                 return _Member(np.zeros(1), np.zeros(1), True, math.inf, error.message, 0.0)
@@ -314,7 +303,9 @@ class _Motions:
             members=len(members),
             members_collapsed=peaks.count(None),
             collapsed=first is not None,
-            time_of_collapse_s=self.motion.start + first.end if first and first.end < math.inf else None,
+            time_of_collapse_s=self.shaking.motion.start + first.end
+            if first and first.end < math.inf
+            else None,
             reason=first.fell if first else None,
             integrator_share=max(each.integrator for each in members),
         )
@@ -327,6 +318,6 @@ class _Motions:
             yield MemberCurve(
                 member=number,
                 factor=self.scatter.strongest_first[number - 1],
-                time_s=(self.motion.start + member.time[kept]).round(6).tolist(),
+                time_s=(self.shaking.motion.start + member.time[kept]).round(6).tolist(),
                 displacement_m=member.displacement[kept].round(7).tolist(),
             )

@@ -49,6 +49,21 @@ class Setting:
     sliding: Sliding = "coulomb"
 
 
+Start = State | Message
+"""The state at rest that a motion begins from, or why it could not be reached."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shaking:
+    """A base motion that shakes a model: how it is integrated, where it starts, and the name of the state there."""
+
+    model: Assembly
+    motion: BaseMotion
+    setting: Setting
+    start: Start
+    state: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class Response:
     """A motion and the free one after it: time (k,) s from the beginning, control displacement (k,) m from rest.
@@ -109,26 +124,20 @@ class Response:
         return abs(taken) / max(least, kinetic, dissipated, put_in)
 
 
-def respond(
-    model: Assembly,
-    motion: BaseMotion,
-    setting: Setting,
-    start: State,
-    factor: float = 1.0,
-    to_rest: bool = True,
-) -> Response:
+def respond(shaking: Shaking, factor: float = 1.0, to_rest: bool = True) -> Response:
     """Return the response to a base motion times `factor`, and the free motion after it until blocks rest.
 
     It ends before rest where it cannot fall (mechanics' may_fall); with rigid joints, which come to rest, only if
     `to_rest` is false. Followed are TAILS times TAIL at most. Raises ConvergenceError if a step is not solved.
     """
-    table, point = setting.table, setting.control.point_m
-    step = motion.record.time_step
+    motion, setting, start = shaking.motion, shaking.setting, shaking.start
+    assert isinstance(start, State)
+    table, step = setting.table, motion.record.time_step
 
     def run(acceleration: Array, vertical: Array | None, state: State) -> TimeHistory:
         return time_history(
-            model, acceleration, step, table.contacts, state, table.integrator, vertical,
-            damping_ratio=table.damping_ratio or 0.0, control=point, ultimate=setting.ultimate,
+            shaking.model, acceleration, step, table.contacts, state, table.integrator, vertical,
+            damping_ratio=table.damping_ratio or 0.0, control=setting.control.point_m, ultimate=setting.ultimate,
             sliding=setting.sliding,
         )  # fmt: skip
 
@@ -154,9 +163,6 @@ def respond(
     return Response(time, displacement, positions, forces, tuple(parts))
 
 
-Start = State | Message
-"""The state at rest that a motion begins from, or why it could not be reached."""
-
 MOST_POINTS = 2000  # of a curve kept for figures
 
 
@@ -174,35 +180,23 @@ class FoundHistory(Found[History]):
         return known(self.value)
 
 
-@dataclass(frozen=True, eq=False)
-class Shaking:
-    """A base motion that shakes a model from a state: how it is integrated, the state's name, and where it starts."""
-
-    model: Assembly
-    motion: BaseMotion
-    setting: Setting
-    state: str
-    start: Start
-
-
 def history(shaking: Shaking) -> FoundHistory:
     """Return one time history; displacements are horizontal, of the control point, from the state's own rest, m.
 
     Times count from the first sample of the record's file, the window's start included. The largest displacement from
     which the structure came back is "sustained_displacement_m", at "time_of_peak_s", with "peak_configuration".
     """
-    model, motion, setting, start = shaking.model, shaking.motion, shaking.setting, shaking.start
     title, state = history_title(shaking), shaking.state
-    if isinstance(start, str):
-        return FoundHistory(_unanswered(motion, setting, start), [headed(title, start)], state=state)
+    if isinstance(shaking.start, str):
+        return FoundHistory(_unanswered(shaking, shaking.start), [headed(title, shaking.start)], state=state)
     began = time.perf_counter()
     try:
-        response = respond(model, motion, setting, start)
+        response = respond(shaking)
     except ConvergenceError as error:
-        nothing = _unanswered(motion, setting, error.message)
+        nothing = _unanswered(shaking, error.message)
         return FoundHistory(nothing, failures=[headed(title, error.message)], state=state)
     seconds = time.perf_counter() - began
-    value = _answered(model, motion, setting, response).replace(seconds=seconds)
+    value = _answered(shaking, response).replace(seconds=seconds)
     notes, last = list(response.notes), response.last
     if last.collapsed:
         at = known(value.time_of_collapse_s)
@@ -213,7 +207,7 @@ def history(shaking: Shaking) -> FoundHistory:
         moving = message("blocks still move at the end, at {speed:.2g} m/s: the residual displacement is that of this "
                          "moment, not of rest", speed=speed)  # fmt: skip
         notes.append(moving)
-    row = quality_row(state, f"history, {motion.name}", response.counts()["programs"], response.worst)
+    row = quality_row(state, f"history, {shaking.motion.name}", response.counts()["programs"], response.worst)
     warnings = [headed(title, note) for note in notes]
     return FoundHistory(value, warnings, quality=[row], seconds=seconds, state=state)
 
@@ -223,24 +217,15 @@ def history_title(shaking: Shaking) -> Message:
     return message("{state}, history of {record}", state=shaking.state, record=shaking.motion.name)
 
 
-def _unanswered(motion: BaseMotion, setting: Setting, reason: str | None) -> History:
+def _unanswered(shaking: Shaking, reason: str | None) -> History:
     """Return a time history without an answer, and the `reason` why there is none."""
+    motion, setting = shaking.motion, shaking.setting
     return History(
-        record=motion.name,
-        pga_g=motion.pga,
-        scale=motion.scale,
-        time_step_s=motion.record.time_step,
-        contacts=setting.table.contacts,
-        integrator=None,
-        amplitude=motion.amplitude,
-        control=setting.control.name,
-        peak_displacement_m=None,
-        residual_displacement_m=None,
-        collapsed=None,
-        time_of_collapse_s=None,
-        reason=reason,
-        **motion.told_vertical,
-    )
+        record=motion.name, pga_g=motion.pga, scale=motion.scale, time_step_s=motion.record.time_step,
+        contacts=setting.table.contacts, integrator=None, amplitude=motion.amplitude, control=setting.control.name,
+        peak_displacement_m=None, residual_displacement_m=None, collapsed=None, time_of_collapse_s=None,
+        reason=reason, **motion.told_vertical,
+    )  # fmt: skip
 
 
 def _farthest_corner(model: Assembly, positions: Array) -> Array:
@@ -253,17 +238,17 @@ def _farthest_corner(model: Assembly, positions: Array) -> Array:
     return far
 
 
-def _answered(model: Assembly, motion: BaseMotion, setting: Setting, response: Response) -> History:
+def _answered(shaking: Shaking, response: Response) -> History:
     """Return peak, residual, collapse, curve, configurations and energies of a response."""
-    last, drawn = response.last, model.initial.positions
+    model, motion, last = shaking.model, shaking.motion, response.last
+    drawn, rigid = model.initial.positions, shaking.setting.table.contacts == "rigid"
     moved, times = response.displacement, motion.start + response.time
     peak, kept = sustained_peak(moved, response.collapsed), thinned(moved)
     gone = _farthest_corner(model, response.positions)
-    rigid = setting.table.contacts == "rigid"
     kept_frames = snapshots(model, times, moved, response.positions, response.forces, peak)
     if rigid and model.ties:
         kept_frames = kept_frames.replace(tie_kN=None)
-    found = _unanswered(motion, setting, last.collapse_reason or None).replace(
+    found = _unanswered(shaking, last.collapse_reason or None).replace(
         peak_displacement_m=float(abs(moved).max()),
         sustained_displacement_m=float(abs(moved[peak])),
         time_of_peak_s=motion.start + float(response.time[peak]),
@@ -365,7 +350,7 @@ class MotionInputs:
             if table.states is None or state in table.states:
                 model, start = self.starts[state, table.contacts]
                 setting = Setting(integrated, control, self.ultimates.get((state, control.name)), sliding)
-                found += [Shaking(model, each, setting, state, start) for each in motions]
+                found += [Shaking(model, each, setting, start, state) for each in motions]
         return found
 
     def each(

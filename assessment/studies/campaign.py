@@ -156,7 +156,7 @@ def campaign(
     for state in moved:
         setting = Setting(own_setting(table), point, state.ultimate, sliding)
         for motion, each in zip(records, ratio, strict=True):
-            shaking = Shaking(state.model, motion, setting, str(state.title), state.start)
+            shaking = Shaking(state.model, motion, setting, state.start, str(state.title))
             shakings.append((state.settlement, shaking, each, state))
     asked = asked_for(shakings, table.signs, reach, image)
     scans.settle("campaign", asked, not table.levels_g, study)

@@ -62,8 +62,7 @@ class Asked:
     @cached_property
     def key(self) -> str:
         """Key of the scan: what its motions depend on."""
-        of = self.shaking
-        return fingerprint(scan, (of.model, of.motion, of.setting, of.start, self.reach))
+        return fingerprint(scan, (replace(self.shaking, state=""), self.reach))
 
 
 def asked_for(
@@ -118,12 +117,13 @@ class Scans:
         curves, scatter = (campaign.curve_members if campaign else None) or (), scatter_of(self.project)
         tasks: list[tuple[Any, ...]] = []
         for each in wanted:
-            of, motion, near = each.shaking, each.shaking.motion, self._near(each, numbers)
+            motion = each.shaking.motion
             for _ in range(halvings):
                 motion = motion.at_half_step()
-            tasks.append((of.model, motion, of.setting, of.start, scatter, each.reach, near, curves))
-        samples = [task[1].record.acceleration.size for task in tasks]
-        work = EXPECTED * sum(len(task[0].contacts) * n for task, n in zip(tasks, samples, strict=True))
+            shaking = replace(each.shaking, motion=motion, state="")  # states of several names are one scan
+            tasks.append((shaking, scatter, each.reach, self._near(each, numbers), curves))
+        samples = [shaking.motion.record.acceleration.size for shaking, *_ in tasks]
+        work = EXPECTED * sum(len(of.model.contacts) * n for (of, *_), n in zip(tasks, samples, strict=True))
         titles = [each.title for each in wanted]
         done = self.workers.each(stage, scan, tasks, titles, work > WORTHWHILE, samples)
         for each, found in zip(wanted, done, strict=True):

@@ -9,7 +9,7 @@ import pytest
 
 from assessment.analyses import time_history as response
 from assessment.analyses.time_history import TAIL as FREE
-from assessment.analyses.time_history import Setting, respond, sustained_peak, thinned
+from assessment.analyses.time_history import Setting, Shaking, respond, sustained_peak, thinned
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.project.catalogue.new_project import RECORD, examples, new_project
 from assessment.project.model import build_model
@@ -277,17 +277,17 @@ def setting():
 def test_a_motion_that_ends_in_mid_swing_goes_on_freely(setting):
     """The parts join: time goes on evenly, displacement without a jump; a record that ends at rest has one part."""
     model = block_on_base(0.6, 2.4)
-    response = respond(model, _motion(Record(0.5 * WAVE[:60], STEP, "cut")), setting, model.initial)
-    assert len(response.parts) > 1 and not response.last.velocities[-1].any()
-    searched = respond(
-        model, _motion(Record(0.5 * WAVE[:60], STEP, "cut")), setting, model.initial, to_rest=False
+    response = respond(
+        cut := Shaking(model, _motion(Record(0.5 * WAVE[:60], STEP, "cut")), setting, model.initial)
     )
+    assert len(response.parts) > 1 and not response.last.velocities[-1].any()
+    searched = respond(cut, to_rest=False)
     assert 1 <= len(searched.parts) < len(response.parts)
     np.testing.assert_allclose(np.diff(response.time), STEP)
     jumps = abs(np.diff(response.displacement))
     assert jumps[59] < 2.0 * jumps[[58, 60]].max()
     assert response.positions.shape == (response.time.size, 2, 3)
-    gentle = respond(model, _motion(Record(0.2 * WAVE, STEP, "gentle")), setting, model.initial)
+    gentle = respond(replace(cut, motion=_motion(Record(0.2 * WAVE, STEP, "gentle"))))
     assert len(gentle.parts) == 1
 
 
@@ -297,7 +297,9 @@ def test_a_search_runs_the_motion_of_a_history():
     setting = Setting(
         HistoryTable(record="r", contacts="rigid"), ControlTable(name="top", point_m=(0.0, 1.36))
     )
-    whole, searched = (respond(model, motion, setting, model.initial, to_rest=rest) for rest in (True, False))
+    whole, searched = (
+        respond(Shaking(model, motion, setting, model.initial), to_rest=rest) for rest in (True, False)
+    )
     assert whole.parts[0].halvings > 0 and 10 < searched.time.size <= whole.time.size
     np.testing.assert_array_equal(searched.positions, whole.positions[: searched.time.size])
 
@@ -307,7 +309,7 @@ def test_a_history_tells_its_vertical_record_and_its_peak(setting):
     model, quiet = block_on_base(0.6, 2.4), Record(0.1 * WAVE, STEP, "quiet")
     both = replace(_motion(quiet), vertical=Record(-0.03 * WAVE, STEP, "up"))
     one, two = (
-        response.history(response.Shaking(model, motion, setting, "drawn", model.initial)).numbers
+        response.history(Shaking(model, motion, setting, model.initial, "drawn")).numbers
         for motion in (both, _motion(quiet))
     )
     assert (one.vertical_record, one.vertical_pga_g) == ("up", pytest.approx(0.03 * abs(WAVE).max()))

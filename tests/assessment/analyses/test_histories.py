@@ -38,7 +38,7 @@ class Asked:
         record = Record(acceleration, spacing, "pulse").resampled(step)
         self.motion = BaseMotion(record, record, float(abs(acceleration).max()), 1.0)
         setting = Setting(table, ControlTable(name="top", point_m=at))
-        self.task = Shaking(model, self.motion, setting, "original", model.initial)
+        self.task = Shaking(model, self.motion, setting, model.initial, "original")
         self.project, self.history, self.scatter, self.accuracy = self, (table,), scatter, accuracy
         self.runs = []
 
@@ -86,8 +86,7 @@ def test_the_error_of_a_slide_is_bounded_by_the_estimate():
 def test_the_error_of_a_rocking_block_is_bounded_by_the_estimate():
     """Second order, one cycle of a sine; reference: the same with a sixteenth of the step."""
     model = block_on_base()
-    fine = Asked(model, SINE, "fast", "second-order", STEP / 16).task
-    reference = respond(model, fine.motion, fine.setting, fine.start)
+    reference = respond(Asked(model, SINE, "fast", "second-order", STEP / 16).task)
     assert not reference.collapsed
     bounded(Asked(model, SINE, "fine", "second-order").found(), float(abs(reference.displacement).max()))
 
@@ -261,9 +260,8 @@ def test_an_arch_that_rocks_has_a_range_that_contains_each_member():
     low, high = numbers.peak_displacement_m_range
     assert numbers.integrator == "moreau-jean" and "impacts" in numbers.integrator_chosen
     assert low <= numbers.peak_displacement_median_m <= high == numbers.peak_displacement_m
-    task = asked.task
     for amplitude in (1.0, 0.99):
-        member = respond(task.model, task.motion, task.setting, task.start, amplitude)
+        member = respond(asked.task, amplitude)
         assert low <= abs(member.displacement).max() <= high
     band = numbers.band
     curve = np.array(numbers.curve.displacement_m)
@@ -320,5 +318,5 @@ def test_a_fall_under_way_is_followed_to_its_end():
     model = block_on_base(0.6, 2.4)
     asked = Asked(model, np.zeros(3), "fast", "auto", at=(0.6, 2.4))
     leaning = model.rotated(1, (0.6, 0.0), -np.arctan(0.6 / 2.4) - 2e-4)
-    found = respond(model, asked.motion, asked.task.setting, leaning)
+    found = respond(replace(asked.task, start=leaning))
     assert found.collapsed or len(found.parts) == 1

@@ -13,7 +13,7 @@ from assessment.analyses import scan as scans
 from assessment.analyses.fragility import Observed, RecordLevel, observed, over_records
 from assessment.analyses.histories import Scatter
 from assessment.analyses.scan import CERTAIN, CLOSEST, DOWN, SPACING, Reach, scan, scan_levels
-from assessment.analyses.time_history import Setting
+from assessment.analyses.time_history import Setting, Shaking
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, MotionTable
 from assessment.studies.scans import observed_in
@@ -243,7 +243,9 @@ def test_the_band_below_the_collapse_that_a_search_would_meet_first_is_found():
         MotionTable(contacts="elastic", damping_ratio=0.05), ControlTable(name="c", point_m=(0.0, 2.3))
     )
     reach, single = Reach(5.0), Scatter(1, 0.05)
-    seen = observed_in(scan(model, motion.at_half_step(), setting, model.initial, single, reach, 0.55))
+    seen = observed_in(
+        scan(Shaking(model, motion.at_half_step(), setting, model.initial), single, reach, 0.55)
+    )
     assert 0.50 < seen.lowest < 0.53
     assert seen.capacity < 1.02 * 0.505
 
@@ -256,7 +258,7 @@ def test_levels_of_a_rocking_block_carry_what_their_motions_came_to():
     table = MotionTable(contacts="rigid", integrator="second-order")
     model = block_on_base(0.6, 4.2)
     setting = Setting(table, ControlTable(name="top", point_m=(0.3, 4.2)))
-    found = scan(model, motion, setting, model.initial, Scatter(1, 0.05), Reach(5.0, width=0.005))
+    found = scan(Shaking(model, motion, setting, model.initial), Scatter(1, 0.05), Reach(5.0, width=0.005))
     p = math.sqrt(3.0 * 9.80665 / (4.0 * 0.5 * math.hypot(0.6, 4.2)))
     share = 1.0 / (2.0 * (math.cosh(0.5 * p) - 1.0))
     # cosh(p t) = 1 + 1/(2k(k − 1)), k = a/(g α) (slender rigid block); α as its tangent, 5 %
@@ -274,13 +276,13 @@ def test_a_motion_that_is_not_solved_counts_as_a_collapse_and_is_told(monkeypatc
     setting = Setting(MotionTable(contacts="rigid"), ControlTable(name="top", point_m=(0.3, 4.2)))
 
     def scanned():
-        return scan(model, motion, setting, model.initial, Scatter(1, 0.05), Reach(5.0))
+        return scan(Shaking(model, motion, setting, model.initial), Scatter(1, 0.05), Reach(5.0))
 
     whole = scanned()
     lost, true = next(p.pga_g for p in whole.points if p.collapsed is False), scans.respond
 
     def refused(*of, **how):
-        if not lost or of[4] * record.pga == pytest.approx(lost):
+        if not lost or of[1] * record.pga == pytest.approx(lost):
             raise ConvergenceError(message("not solved"))
         return true(*of, **how)
 
@@ -295,7 +297,9 @@ def test_a_motion_that_is_not_solved_counts_as_a_collapse_and_is_told(monkeypatc
     assert observed_in(found).lowest == lost < observed_in(whole).lowest
 
     two = (lost, 1.5 * lost)
-    stripes = scan(model, motion, setting, model.initial, Scatter(1, 0.05), Reach(5.0, stripes=two)).points
+    stripes = scan(
+        Shaking(model, motion, setting, model.initial), Scatter(1, 0.05), Reach(5.0, stripes=two)
+    ).points
     assert (stripes[0].members_collapsed, stripes[0].time_of_collapse_s) == (1, None)
 
     lost = None  # every motion

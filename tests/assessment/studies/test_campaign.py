@@ -295,7 +295,7 @@ def made_record(spectrum, seed) -> Record:
 
 
 def test_records_are_made_to_the_spectrum_of_the_site(block, monkeypatch):
-    monkeypatch.setattr(stage.sets, "made_record", made_record)
+    monkeypatch.setattr(stage.demand, "made_record", made_record)
     edit(block, 'records = ["wave*.csv"]', 'records = "generate:3"')
     edit(block, "tolerance = 0.2", 'method = "stripes"\nlevels_g = [0.01]\nspectrum_compatible = true')
     assert run(block, "--only", "campaign", "--jobs", "1") == 0

@@ -48,7 +48,8 @@ class MadeUp:
     def __init__(self):
         self.count, self.most, self.alive = 0, 0, weakref.WeakSet()
 
-    def __call__(self, model, motion, _, start, factor, **__):
+    def __call__(self, shaking, factor, **__):
+        model, motion, start = shaking.model, shaking.motion, shaking.start
         own = int(motion.name[4:])
         tilt = abs(start.positions[:, 2]).max()
         record = motion.record

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from assessment.analyses.time_history import Setting, respond
+from assessment.analyses.time_history import Setting, Shaking, respond
 from assessment.benchmark.structures import assembly
 from assessment.project.model import build_model
 from assessment.project.motions import history_motions
@@ -176,7 +176,7 @@ def test_a_small_arch_that_breaks_apart_is_solved_to_its_collapse(tmp_path):
     [motion] = history_motions(project)
     setting = Setting(project.history[0], project.control_point(None))
     model = build_model(project).assembly
-    found = respond(model, motion, setting, model.initial)
+    found = respond(Shaking(model, motion, setting, model.initial))
     assert found.collapsed and found.worst <= 1e-7
 
 
