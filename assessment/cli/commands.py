@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import os
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from assessment.project.catalogue import ARCHES, WALLS
 from assessment.runtime.console import say, tell, unwritten
@@ -255,47 +255,26 @@ def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
 
 
 def as_json(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
-    """Return the summary as one JSON object; null for what was not asked for or not reached."""
+    """Return the summary as one JSON object with the rows of two tables; null: not asked for or not reached."""
+    from assessment.report.tables.capacity import verification
+    from assessment.report.tables.structure import settlements
     from assessment.results.schema import plain
     from assessment.results.summary import best_of, undetermined
 
     results = outcome.results
     best = best_of(results.identification) if results.identification else None
-    ultimates = [  # of a movement, m; None: not sought, or not reached
-        {"state": name, "contacts": behaviour, "ultimate_movement_m": path.ultimate_movement_m}
-        for name, state in results.states.items()
-        for behaviour, path in state.pushdown.items()
-    ]
     content = {
         "assesto": results.assesto, "title": results.title, "output": str(folder),
         "complete": outcome.complete, "analyses": {"computed": outcome.computed, "taken_over": outcome.taken},
         "model": {key: value for key, value in plain(results.model).items() if key != "warnings"},
         "summary": plain(results.summary), "undetermined": undetermined(results),
-        "capacities": capacities(results), "ultimate_movements": ultimates,
+        "verification": verification(results).rows, "settlements": settlements(results).rows,
         "worst_scenario": plain(results.scenarios.worst) if results.scenarios else None,
         "comparison": plain(results.comparison),
         "best_movement": plain(best.movement) if best else None, "warnings": _warnings(results, warnings),
         "timing_s": results.timing_s,
     }  # fmt: skip
     return json.dumps(content, allow_nan=False, indent=2)
-
-
-def capacities(results: Results) -> list[dict[str, Any]]:
-    """Return α0, d_0 (m), a_g (g) and ζ_E of the farthest limit state, and every check, by state and direction."""
-    from assessment.ntc.tables import farthest
-
-    rows = []
-    for name, state in results.states.items():
-        for direction, curves in state.pushover.items():
-            capacity = state.capacity.get(direction)
-            found = capacity.checks if capacity else {}
-            checks = {name: {"a_g_g": check.a_g_g, "zeta_E": check.zeta_E} for name, check in found.items()}
-            limit = farthest(found)
-            row: dict[str, Any] = {"state": name, "direction": direction}
-            row |= {key: getattr(curves.rigid, key, None) for key in ("alpha_0", "d_0_m")}
-            row |= {"limit_state": limit} | (checks[limit] if limit else {"a_g_g": None, "zeta_E": None})
-            rows.append(row | {"checks": checks})
-    return rows
 
 
 def _warnings(results: Results, others: Iterable[str]) -> list[str]:

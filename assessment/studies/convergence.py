@@ -214,10 +214,7 @@ def not_met(levels: Levels, tolerance: float) -> list[Message]:
 
 
 def measure(
-    project: Project,
-    models: Mapping[str, StateModel],
-    demands: Demands,
-    stages: Sequence[StateResult],
+    project: Project, models: Mapping[str, StateModel], demands: Demands, stages: Sequence[StateResult]
 ) -> dict[str, dict[Direction, Measured]]:
     """Return the quantities that have to converge (α, d_0 in m, a_g in g), by state and direction."""
     found: dict[str, dict[Direction, Measured]] = {}

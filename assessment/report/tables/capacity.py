@@ -95,10 +95,7 @@ def mechanism_text(mechanism: Count) -> str:
     return f"{mechanism.hinges} + {mechanism.sliding_joints}"
 
 
-@table(
-    "action",
-    f"limit_state ?P_VR {ACTION}",
-)
+@table("action", f"limit_state ?P_VR {ACTION}")
 def action(results: Results) -> Found:
     """List the parameters of the demand spectra; P_VR and T_R where a reference life is known."""
     site = (results.echo.assessment or {}).get("site") or {}

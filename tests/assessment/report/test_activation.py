@@ -7,7 +7,6 @@ are of one point of the curve that is reported, which is printed with its α whe
 import numpy as np
 import pytest
 
-from assessment.cli.commands import capacities
 from assessment.report.chapters.remarks import onsets
 from assessment.report.document import tables
 from assessment.report.figures.curves import draw_pushover
@@ -65,8 +64,8 @@ def test_tables_and_summaries_have_one_multiplier(results, rows, state, directio
         shown |= {
             f"{name} {number}": row["alpha_0"] for number, row in enumerate(of(rows[name], state, direction))
         }
-    [total] = [row for row in capacities(results) if (row["state"], row["direction"]) == (state, direction)]
-    shown["terminal"] = total["alpha_0"]
+    found = [row for row in results.summary.rows if (row.state, row.direction) == (state, direction)]
+    [shown["results' summary"]] = [row.alpha_0 for row in found]
     [shown["summary"]] = [row["alpha_0"] for row in of(rows["summary"], state, direction)]
     for row in of(rows["static_ranges"], state, direction):
         if row["quantity"] == "alpha_0":
