@@ -183,7 +183,7 @@ def test_contact_dynamics_falls_and_stands_where_a_part_snaps_on_a_moving_suppor
     before, beyond = (path.ultimate, path.ultimate + 0.02 / 32 * model.size) if falls else path.crossed[0]
     state = path.states[int(np.argmin(abs(path.movement - before)))]
     moved = model.moved_support(state.positions, "right", beyond / way[0] * way, 0.0)
-    snapped = motion(model, np.zeros(6000), 5e-4, replace(state, positions=moved))[-1] - moved
+    snapped = motion(model, np.zeros(3000), 1e-3, replace(state, positions=moved))[-1] - moved
     assert (abs(snapped[:, :2]).max() > model.size) is np.bool_(falls)
     assert len(path.crossed) == (0 if falls else 1)
 

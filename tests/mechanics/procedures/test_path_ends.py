@@ -281,11 +281,10 @@ def test_blocks_fall_back_where_they_come_near_to_where_they_have_jumped_not_the
     assert not path._falls_back(moved(0.011))
 
 
-@pytest.mark.parametrize(("seed", "direction"), [(11, "-x"), (16, "+x")])
-def test_a_brick_that_slides_to_the_edge_and_tips_there_does_not_jump(seed, direction):
+def test_a_brick_that_slides_to_the_edge_and_tips_there_does_not_jump():
     """The last brick of the upper course slides, then turns about the edge below: α falls from μ to 0 above that."""
-    model = random_masonry(seed)
-    curve = pushover(model, direction=direction, increment=0.02 * model.size)
+    model = random_masonry(11)
+    curve = pushover(model, direction="-x", increment=0.02 * model.size)
     assert len(curve.crossed) == 0 and curve.reached_zero
     assert np.diff(curve.multiplier).max() < 2e-3 * curve.alpha_0
     moved = curve.states[-1].positions[curve.block] - model.initial.positions[curve.block]
@@ -293,17 +292,14 @@ def test_a_brick_that_slides_to_the_edge_and_tips_there_does_not_jump(seed, dire
     assert abs(moved[0]) == pytest.approx(half, rel=5e-3)
 
 
-@pytest.mark.parametrize("seed", [0, 6])
-def test_a_step_does_not_pass_over_a_snap(seed):
-    """The arches were told 0.196 and 0.403 m by increments of 2 % of a block; contact dynamics falls where they do."""
-    model = random_masonry(seed)
+def test_a_step_does_not_pass_over_a_snap():
+    """The arch was told 0.196 m by increments of 2 % of a block; contact dynamics falls where it does."""
+    model = random_masonry(0)
     way, told = (0.3 * model.size, 0.0), []
     for part in (0.03, 0.01):
         path = pushdown(model, "right", way, increment=part * model.size, to_collapse=True)
         told.append(path.ultimate)
-    assert told[0] == pytest.approx({0: 0.1776, 6: 0.3047}[seed], rel=3e-3) and told[1] == pytest.approx(
-        told[0], rel=3e-3
-    )
+    assert told == pytest.approx([0.1776, 0.1776], rel=3e-3)
     moved = motion(model, np.zeros(3000), 1e-3, path.states[-1])[-1] - path.states[-1].positions
     assert abs(moved[:, :2]).max() > model.size
 

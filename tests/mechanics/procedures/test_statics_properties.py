@@ -117,7 +117,7 @@ def test_reactions_balance_the_loads_in_every_step_and_no_joint_carries_more_tha
     make, control, support = STRUCTURES[name]
     model = make()
     moved = pushdown(model, support, (0.01, -0.005), increment=0.002, contacts=behaviour)
-    pushed = [pushover(model, control, "+x", behaviour, 0.002, state) for state in (None, moved.final)]
+    pushed = [pushover(model, control, "+x", behaviour, 0.005, state) for state in (None, moved.final)]
     for path in (moved, *pushed):
         assert len(path.steps) > 3
         for step in path.steps:
@@ -141,7 +141,7 @@ def test_virtual_work_and_another_solver_give_the_multiplier_in_displaced_config
     """Within 1 %: the paper's check, α of the motion out of a configuration, and that of the joints closed there."""
     make, control, _ = STRUCTURES[name]
     model = make()
-    path = pushover(model, control, "+x", "rigid", 0.001)
+    path = pushover(model, control, "+x", "rigid", 0.002)
     assert len(path.states) > 10
     for k in np.linspace(0, len(path.states) - 2, 5).astype(int):
         found = _multiplier_at(model, path.states[k])
@@ -168,10 +168,8 @@ def test_the_elastic_peak_stays_below_the_rigid_multiplier_and_tends_to_it(name)
     make, control, _ = STRUCTURES[name]
     soft = make()
     onset = limit_analysis(soft).alpha
-    peaks = [
-        pushover(mapped(soft, lambda p: p, stiffness=factor), control, "+x", "elastic", 0.01).multiplier.max()
-        for factor in (1.0, 100.0, 1e5)
-    ]
+    models = [mapped(soft, lambda p: p, stiffness=factor) for factor in (1.0, 100.0, 1e5)]
+    peaks = [pushover(each, control, "+x", "elastic", 0.01, until=0.8).multiplier.max() for each in models]
     assert peaks == sorted(peaks)
     assert peaks[-1] <= onset * (1.0 + 1e-6)
     assert peaks[-1] == pytest.approx(onset, rel=2e-2)
@@ -188,17 +186,6 @@ def test_the_reaction_at_the_onset_of_a_movement_is_the_least_and_the_greatest_t
     # the reaction against the movement does the least work of all admissible ones
     sunk, raised = (pushdown(model, "right", (0.0, d), increment=1e-3).reaction[0] for d in (-2e-3, 2e-3))
     assert sunk[1] < at_rest[1] + 1e-6 < raised[1] + 2e-6
-
-
-@pytest.mark.parametrize("angle", [-0.05, 0.08])
-def test_a_turned_support_lowers_the_multiplier_on_its_low_side(angle):
-    # rigid block B x H: α = tan(arctan(B/H) ∓ θ)
-    model = block_on_base()
-    moved = pushdown(model, "base", rotation=angle, increment=0.01)
-    assert moved.final.positions[:, 2] == pytest.approx(angle, abs=1e-7)
-    for direction, side in (("+x", 1.0), ("-x", -1.0)):
-        expected = np.tan(np.arctan(0.2) + side * angle)
-        assert limit_analysis(model, direction, moved.final).alpha == pytest.approx(expected, abs=1e-5)
 
 
 def multipliers(model):

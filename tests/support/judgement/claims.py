@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Mapping
-from operator import itemgetter
+from functools import partial
 from typing import Any
 
 from markupsafe import Markup
@@ -26,6 +26,13 @@ LIMITS = ("SLO", "SLD", "SLV", "SLC")
 # at most, of good ones
 RESIDUALS = {"equilibrium_residual": 1e-6, "cone_violation": 1e-6, "complementarity": 1e-3}
 WORDS = words_of(typed(results_example("en")))
+TABLES = (
+    capacity_tables.verification, capacity_tables.chosen_checks, mechanism_tables.mechanisms,
+    structure.settlements, structure.quality, mechanism_tables.second_solver, study_tables.scenarios,
+    study_tables.tornado, study_tables.convergence, study_tables.history_convergence,
+    study_tables.incremental_convergence, hand_check, balance,
+)  # fmt: skip
+CONVERGENCE = ("convergence", "history_convergence", "incremental_convergence")
 
 
 class Read:
@@ -35,306 +42,248 @@ class Read:
         self.results, found = results, typed(results)
         self.at_surface = reference_of(found) == "surface"
         made = [make(found) for make in TABLES]
-        self.rows = {table.name: table.rows for table in made} | {"comparison": results["comparison"]}
+        self.rows = {table.name: table.rows for table in made}
 
-    @property
-    def settled(self) -> list[str]:
-        """The states that a movement leads to; what strengthens one is no loss."""
-        states = self.results["states"].items()
-        return [name for name, each in states if name != "original" and not each.get("strengthening")]
+    def shares(self, table: str, said: Fields) -> list[Mapping[str, Any]]:
+        """The rows of a campaign of the movement that a sentence names, from none to the whole of it."""
+        rows = self.results["campaign"][table]
+        return sorted(
+            (r for r in rows if r["settlement"] == said["settlement"]), key=lambda row: row["share"]
+        )
 
-    def made(self, table: str = "verification") -> list[Mapping[str, Any]]:
-        return [row for row in self.rows[table] if row.get("zeta_E") is not None]
-
-    def row(self, table: str, said: Fields, *keys: str) -> Mapping[str, Any]:
-        """The one row of a table that a sentence names."""
-        [found] = [
-            row
-            for row in self.rows[table]
-            if all(WORDS_OF[key](row[COLUMN.get(key, key)]) == said[key] for key in keys)
-        ]
+    def pushed_down(self, said: Fields) -> Mapping[str, Any]:
+        """The path of the movement that a sentence names."""
+        contacts = said["contacts"].removesuffix(" contacts")
+        found: Mapping[str, Any] = self.results["states"][said["state"]]["pushdown"][contacts]
         return found
 
 
-TABLES = (
-    capacity_tables.verification, capacity_tables.chosen_checks, mechanism_tables.mechanisms,
-    structure.settlements, structure.quality, mechanism_tables.second_solver, study_tables.scenarios,
-    study_tables.tornado, study_tables.convergence, study_tables.history_convergence,
-    study_tables.incremental_convergence, hand_check, balance,
-)  # fmt: skip
-CONVERGENCE = ("convergence", "history_convergence", "incremental_convergence")
-COLUMN = {"limit": "limit_state"}
-WORDS_OF: dict[str, Callable[[Any], str]] = {
-    "state": WORDS.state, "direction": direction_name, "limit": lambda check: check_name(check, WORDS),
-    "mechanism": str, "contacts": lambda kind: WORDS.plain(f"value.{kind}"),
-}  # fmt: skip
-show, ratio = WORDS.show, WORDS.ratio
-ratio_of = WORDS.ratio
+show, ratio, plain = WORDS.show, WORDS.ratio, WORDS.plain
+# each function returns what the sentence says, field by field
 
 
-def _chosen(said: Fields, read: Read) -> None:
-    row = read.row("chosen_checks", said, "mechanism", "state", "limit")
-    assert row["zeta_E"] == min(each["zeta_E"] for each in read.made("chosen_checks"))
-    assert said["ratio"] == ratio(row["zeta_E"])
+def two_digits(value: float) -> str:
+    return WORDS.number(value, 2)
 
 
-def _linear(said: Fields, read: Read) -> None:
+def percent(share: float) -> str:
+    return two_digits(100.0 * share)
+
+
+def millimetres(length: float) -> str:
+    return show(1000.0 * length)
+
+
+def _chosen(_: Fields, read: Read) -> Fields:
+    known = [row for row in read.rows["chosen_checks"] if row.get("zeta_E") is not None]
+    row = min(known, key=lambda row: row["zeta_E"])
+    return {
+        "mechanism": row["mechanism"], "state": WORDS.state(row["state"]), "ratio": ratio(row["zeta_E"]),
+        "limit": check_name(row["limit_state"], WORDS),
+    }  # fmt: skip
+
+
+def _linear(said: Fields, read: Read) -> Fields:
     """The weakest state of the nonlinear check at SLV, beside its linear one."""
-    rows = {(row["state"], row["direction"], row["limit_state"]): row["zeta_E"] for row in read.made()}
+    rows = {
+        (row["state"], row["direction"], row["limit_state"]): row.get("zeta_E")
+        for row in read.rows["verification"]
+    }
     pairs = {
-        key[:2]: ratio for key, ratio in rows.items() if key[2] == "SLV" and (*key[:2], "SLV linear") in rows
+        (WORDS.state(state), direction_name(way)): (full, rows.get((state, way, "SLV linear")))
+        for (state, way, limit), full in rows.items()
+        if limit == "SLV" and None not in (full, rows.get((state, way, "SLV linear")))
     }
-    [place] = [
-        key
-        for key in pairs
-        if (WORDS.state(key[0]), direction_name(key[1])) == (said["state"], said["direction"])
-    ]
-    assert pairs[place] == min(pairs.values()) and said["full"] == ratio_of(pairs[place])
-    assert said["linear"] == ratio_of(rows[(*place, "SLV linear")])
+    full, linear = pairs[said["state"], said["direction"]]
+    assert full == min(full for full, _ in pairs.values())
+    return {"full": ratio(full), "linear": ratio(linear)}
 
 
-def _interventions(said: Fields, read: Read) -> None:
+def _interventions(said: Fields, read: Read) -> Fields:
     found = read.results["states"][said["state"]]["indices"]
-    assert (said["zeta"], said["before"]) == (ratio(found["zeta_SLV"]), ratio(found["zeta_before"]))
-    pattern = re.compile(r"(?P<kind>.+) \(at least (?P<least>.+)\) (?P<how>attained|not attained)")
-    told = {
-        match["kind"]: (match["least"], match["how"] == "attained")
-        for each in said["told"].split("; ")
-        if (match := pattern.fullmatch(each))
-    }
-    assert told == {
-        WORDS.plain(f"judgement.of_{kind}"): (ratio(least), found["zeta_SLV"] >= least)
+    told = [
+        f"{plain(f'judgement.of_{kind}')} (at least {ratio(least)}) {'not ' * (found['zeta_SLV'] < least)}attained"
         for kind, least in found["required_zeta"].items()
         if least is not None and kind != "improvement_school"
-    }
+    ]
+    return {"zeta": ratio(found["zeta_SLV"]), "before": ratio(found["zeta_before"]), "told": "; ".join(told)}
 
 
-def _history(said: Fields, read: Read) -> None:
+def _history(said: Fields, read: Read) -> Fields:
     """Which states collapse under a record, and the largest peak of the others."""
-    entries = {
-        name: entry
-        for name, state in read.results["states"].items()
-        for entry in state["history"]
-        if entry["record"] == said["record"]
-    }
-    fallen = [name for name, entry in entries.items() if entry["collapsed"]]
-    assert said["pga"] == show(next(iter(entries.values()))["pga_g"])
+    every = [(name, each) for name, state in read.results["states"].items() for each in state["history"]]
+    entries = [(WORDS.state(name), each) for name, each in every if each["record"] == said["record"]]
+    pga = {"pga": show(entries[0][1]["pga_g"])}
     if "states" in said:
-        assert said["states"] == ", ".join(f"“{WORDS.state(name)}”" for name in fallen)
-        return
-    peaks = {name: entry["peak_displacement_m"] for name, entry in entries.items() if not entry["collapsed"]}
-    [name] = [name for name in peaks if WORDS.state(name) == said["state"]]
-    assert peaks[name] == max(peak for peak in peaks.values() if peak is not None)
-    assert said["peak"] == show(1000.0 * peaks[name])
+        return pga | {"states": ", ".join(f"“{name}”" for name, each in entries if each["collapsed"])}
+    peaks = [(each["peak_displacement_m"], name) for name, each in entries if not each["collapsed"]]
+    peak, name = max(each for each in peaks if each[0] is not None)
+    return pga | {"state": name, "peak": millimetres(peak)}
 
 
-def _campaign(kind: str) -> Callable[[Fields, Read], None]:
-    def check(said: Fields, read: Read) -> None:
-        fits, losses = (
-            sorted(
-                (row for row in read.results["campaign"][key] if row["settlement"] == said["settlement"]),
-                key=itemgetter("share"),
-            )
-            for key in ("fragility", "loss")
-        )
-        first, last, loss = fits[0], fits[-1], losses[-1]
-        assert first["share"] == 0.0 and said["share"] == f"{100.0 * last['share']:g}"
-        assert (said["before"], said["after"]) == (show(first["median_g"]), show(last["median_g"]))
-        assert said["dynamic"] == WORDS.number(100.0 * loss["dynamic"], 2)
-        static = loss["static"]
-        assert said.get("static") == (None if static is None else WORDS.number(100.0 * static, 2))
-        opposed = static is not None and static * loss["dynamic"] < 0.0
-        opposed = opposed and min(abs(static), abs(loss["dynamic"])) >= 0.01
-        opposed = opposed and loss.get("distinguishable") is not False
-        assert kind == ("alone" if static is None else "opposed" if opposed else "beside")
-
-    return check
-
-
-def _indistinct(said: Fields, read: Read) -> None:
-    [*_, loss] = sorted(
-        (row for row in read.results["campaign"]["loss"] if row["settlement"] == said["settlement"]),
-        key=itemgetter("share"),
+def _campaign(kind: str, said: Fields, read: Read) -> Fields:
+    (first, *_, last), loss = read.shares("fragility", said), read.shares("loss", said)[-1]
+    static, dynamic = loss["static"], loss["dynamic"]
+    opposed = static is not None and static * dynamic < 0.0 and min(abs(static), abs(dynamic)) >= 0.01
+    opposed = opposed and loss.get("distinguishable") is not False
+    assert (
+        kind == ("alone" if static is None else "opposed" if opposed else "beside") and first["share"] == 0.0
     )
+    beside = {} if static is None else {"static": percent(static)}
+    return beside | {
+        "share": f"{100.0 * last['share']:g}", "before": show(first["median_g"]), "after": show(last["median_g"]),
+        "dynamic": percent(dynamic),
+    }  # fmt: skip
+
+
+def _indistinct(said: Fields, read: Read) -> Fields:
+    loss = read.shares("loss", said)[-1]
     assert loss["distinguishable"] is False
-    low, high = (WORDS.number(100.0 * bound, 2) for bound in loss["dynamic_range"])
-    assert (said["low"], said["high"]) == (low, high)
+    return dict(zip(("low", "high"), map(percent, loss["dynamic_range"]), strict=True))
 
 
-def _ties_yield(said: Fields, read: Read) -> None:
+def _ties_yield(said: Fields, read: Read) -> Fields:
     pushed = [push for state in read.results["states"].values() for push in state["pushover"].values()]
     curves = [push[kind] for push in pushed for kind in ("rigid", "elastic") if push.get(kind)]
     yielding = {each["tie"] for curve in curves for each in curve.get("ties") or () if each["yields"]}
     assert set(said["ties"].split(", ")) == yielding
+    return {}
 
 
-def _worst(quantity: str | None) -> Callable[[Fields, Read], None]:
-    def check(said: Fields, read: Read) -> None:
-        settled = [row for row in read.rows["scenarios"] if row["state"] != "original"]
-        [row] = [row for row in settled if row["worst"]]
-        assert (said["state"], said["movement"]) == (row["state"], show(1000.0 * row["movement_m"]))
-        if quantity is None:
-            fallen = [each["movement_m"] for each in settled if each["collapses"]]
-            assert row["collapses"] and row["movement_m"] == min(fallen)
-            return
-        assert not any(each["collapses"] for each in settled)
-        known = [each[quantity] for each in settled if each[quantity] is not None]
-        assert row[quantity] == min(known)
-        among = re.search(r"among the (\d+) of (\d+) cases", said["among"])
-        counts = (int(among[1]), int(among[2])) if among else (len(settled),) * 2
-        assert counts == (len(known), len(settled)) and (among is None) == (len(known) == len(settled))
-        assert said["capacity"] == show(row[quantity]) and said["direction"] == direction_name(
-            row["direction"]
-        )
-        if quantity == "a_g_g":
-            assert said["limit"] == row["limit_state"]
-        if "reduction" in said:
-            assert said["reduction"] == written("reduction", row["reduction"], WORDS)
-
-    return check
+def _worst(quantity: str | None, said: Fields, read: Read) -> Fields:
+    settled = [row for row in read.rows["scenarios"] if row["state"] != "original"]
+    [row] = [row for row in settled if row["worst"]]
+    where = {"state": row["state"], "movement": millimetres(row["movement_m"])}
+    fallen = [each["movement_m"] for each in settled if each["collapses"]]
+    if quantity is None:
+        assert row["collapses"] and row["movement_m"] == min(fallen)
+        return where
+    known = [each[quantity] for each in settled if each[quantity] is not None]
+    assert not fallen and row[quantity] == min(known)
+    if len(known) < len(settled):
+        assert f"among the {len(known)} of {len(settled)} cases" in said["among"]
+    limit = {"limit": row["limit_state"]} if quantity == "a_g_g" else {}
+    reduction = {"reduction": written("reduction", row["reduction"], WORDS)} if "reduction" in said else {}
+    told = said["among"] if len(known) < len(settled) else ""
+    direction = direction_name(row["direction"])
+    return (
+        where | limit | reduction | {"capacity": show(row[quantity]), "direction": direction, "among": told}
+    )
 
 
-def _sensitive(said: Fields, read: Read) -> None:
+def _sensitive(said: Fields, read: Read) -> Fields:
     rows = [row for row in read.rows["tornado"] if row["swing_g"] is not None]
-    widest = max(row["swing_g"] for row in rows)
-    [row] = [
-        row
-        for row in rows
-        if (row["state"], WORDS.plain(f"value.{row['property']}")) == (said["state"], said["property"])
-    ]
-    assert row["swing_g"] == widest > 0.0
+    place = [(row["state"], plain(f"value.{row['property']}")) for row in rows]
+    row = rows[place.index((said["state"], said["property"]))]
+    assert row["swing_g"] == max(each["swing_g"] for each in rows) > 0.0
     span = [row[key] for key in ("a_g_low_g", "a_g_base_g", "a_g_high_g")]
-    assert (said["least"], said["most"]) == (show(min(span)), show(max(span)))
-    assert (said["low"], said["high"]) == (show(row["low_factor"]), show(row["high_factor"]))
-    assert said["limit"] == read.results["sensitivity"]["limit_state"]
-
-
-def _sensitive_open(said: Fields, read: Read) -> None:
-    expected = {
-        WORDS.plain(f"value.{row['property']}") for row in read.rows["tornado"] if row["swing_g"] is None
+    numbers = {"least": min(span), "most": max(span), "low": row["low_factor"], "high": row["high_factor"]}
+    return {"limit": read.results["sensitivity"]["limit_state"]} | {
+        key: show(v) for key, v in numbers.items()
     }
+
+
+def _sensitive_open(said: Fields, read: Read) -> Fields:
+    expected = {plain(f"value.{row['property']}") for row in read.rows["tornado"] if row["swing_g"] is None}
     assert set(said["properties"].split(", ")) == expected
+    return {}
 
 
-def _margin(collapses: bool) -> Callable[[Fields, Read], None]:
-    def check(said: Fields, read: Read) -> None:
-        [row] = [row for row in read.rows["settlements"] if row["state"] == said["state"]]
-        contacts = "rigid" if said["contacts"] == "rigid contacts" else "elastic"
-        ultimate = row[f"ultimate_{contacts}_m"]
-        applied = read.results["states"][said["state"]]["pushdown"][contacts]["applied_movement_m"]
-        assert said["ultimate"] == show(1000.0 * ultimate) and said["applied"] == show(1000.0 * applied)
-        assert said["share"] == WORDS.number(100.0 * applied / ultimate, 2)
-        assert (applied >= ultimate) == collapses
-
-    return check
+def _margin(collapses: bool, said: Fields, read: Read) -> Fields:
+    [row] = [row for row in read.rows["settlements"] if row["state"] == said["state"]]
+    ultimate = row[f"ultimate_{said['contacts'].removesuffix(' contacts')}_m"]
+    applied = read.pushed_down(said)["applied_movement_m"]
+    assert (applied >= ultimate) == collapses
+    ends = {"ultimate": millimetres(ultimate), "applied": millimetres(applied)}
+    return ends | {"share": percent(applied / ultimate)}
 
 
-def _loses(tie: bool) -> Callable[[Fields, Read], None]:
-    def check(said: Fields, read: Read) -> None:
-        contacts = "rigid" if said["contacts"] == "rigid contacts" else "elastic"
-        loss = read.results["states"][said["state"]]["pushdown"][contacts]["local_loss"]
-        assert said["at"] == show(1000.0 * loss["displacement_m"])
-        assert bool(loss.get("tie")) == tie
-
-    return check
+def _loses(tie: bool, said: Fields, read: Read) -> Fields:
+    loss = read.pushed_down(said)["local_loss"]
+    assert bool(loss.get("tie")) == tie
+    return {"at": millimetres(loss["displacement_m"])}
 
 
-def _certificates(said: Fields, read: Read) -> None:
-    for name, allowed in RESIDUALS.items():
-        worst = max(row.get(f"worst_{name}", 0.0) for row in read.rows["quality"])
-        assert said[name] == WORDS.number(worst, 2) and worst <= allowed
+def _residual(name: str, read: Read) -> float:
+    return max(row.get(f"worst_{name}", 0.0) for row in read.rows["quality"])
 
 
-def _poor(said: Fields, read: Read) -> None:
-    [name] = [name for name in RESIDUALS if WORDS.plain(f"judgement.{name}") == said["what"]]
-    worst = max(row.get(f"worst_{name}", 0.0) for row in read.rows["quality"])
-    assert said["residual"] == WORDS.number(worst, 2) and worst > RESIDUALS[name]
+def _certificates(_: Fields, read: Read) -> Fields:
+    assert all(_residual(name, read) <= allowed for name, allowed in RESIDUALS.items())
+    return {name: two_digits(_residual(name, read)) for name in RESIDUALS}
 
 
-def _converged(good: bool) -> Callable[[Fields, Read], None]:
-    def check(said: Fields, read: Read) -> None:
-        errors = [row["relative_error"] for table in CONVERGENCE for row in read.rows[table]]
-        known = [error for error in errors if error is not None]
-        tolerance = read.results["convergence"]["tolerance"]
-        assert said["error"] == WORDS.number(100.0 * max(known), 2)
-        assert said["tolerance"] == f"{100.0 * tolerance:g}"
-        assert (max(known) <= tolerance and None not in errors) == good
-
-    return check
+def _poor(said: Fields, read: Read) -> Fields:
+    [name] = [name for name in RESIDUALS if plain(f"judgement.{name}") == said["what"]]
+    assert _residual(name, read) > RESIDUALS[name]
+    return {"residual": two_digits(_residual(name, read))}
 
 
-def _no_convergence(_: Fields, read: Read) -> None:
+def _converged(good: bool, _: Fields, read: Read) -> Fields:
+    errors = [row["relative_error"] for table in CONVERGENCE for row in read.rows[table]]
+    worst, tolerance = max(e for e in errors if e is not None), read.results["convergence"]["tolerance"]
+    assert (worst <= tolerance and None not in errors) == good
+    return {"error": percent(worst), "tolerance": f"{100.0 * tolerance:g}"}
+
+
+def _no_convergence(_: Fields, read: Read) -> Fields:
     assert not any(read.rows[table] for table in CONVERGENCE)
+    return {}
 
 
-def _second(agrees: bool) -> Callable[[Fields, Read], None]:
-    def check(said: Fields, read: Read) -> None:
-        found = [row["relative_difference"] for row in read.rows["second_solver"]]
-        worst = max(abs(each) for each in found if each is not None)
-        assert (worst <= 1e-4) == agrees and said.get("difference") == (
-            None if agrees else WORDS.number(worst, 2)
-        )
-
-    return check
-
-
-def _second_missing(said: Fields, read: Read) -> None:
+def _second(agrees: bool, _: Fields, read: Read) -> Fields:
     found = [row["relative_difference"] for row in read.rows["second_solver"]]
-    assert int(said["count"]) == found.count(None) > 0
+    worst = max(abs(each) for each in found if each is not None)
+    assert (worst <= 1e-4) == agrees
+    return {} if agrees else {"difference": two_digits(worst)}
 
 
-def _hand(key: str) -> Callable[[Fields, Read], None]:
-    def check(said: Fields, read: Read) -> None:
-        rows = read.rows["hand_check"]
-        worst = max(abs(row[name]) for row in rows for name in ("deviation", "hand_deviation"))
-        assert said["deviation"] == WORDS.number(100.0 * worst, 2) and (worst <= 0.01) == (
-            key == "hand_agrees"
-        )
-
-    return check
+def _second_missing(_: Fields, read: Read) -> Fields:
+    missing = [row["relative_difference"] for row in read.rows["second_solver"]].count(None)
+    assert missing > 0
+    return {"count": str(missing)}
 
 
-def _balance(good: bool) -> Callable[[Fields, Read], None]:
-    def check(said: Fields, read: Read) -> None:
-        worst = max(row["unbalanced"] for row in read.rows["balance"])
-        assert said["unbalanced"] == WORDS.number(worst, 2) and (worst <= 1e-3) == good
-
-    return check
+def _hand(agrees: bool, _: Fields, read: Read) -> Fields:
+    worst = max(abs(row[key]) for row in read.rows["hand_check"] for key in ("deviation", "hand_deviation"))
+    assert (worst <= 0.01) == agrees
+    return {"deviation": percent(worst)}
 
 
-def _warnings(said: Fields, read: Read) -> None:
-    assert int(said["count"]) == len(all_warnings(typed(read.results)))
+def _balance(good: bool, _: Fields, read: Read) -> Fields:
+    worst = max(row["unbalanced"] for row in read.rows["balance"])
+    assert (worst <= 1e-3) == good
+    return {"unbalanced": two_digits(worst)}
 
 
-def _unstable(_: Fields, read: Read) -> None:
+def _warnings(_: Fields, read: Read) -> Fields:
+    return {"count": str(len(all_warnings(typed(read.results))))}
+
+
+def _unstable(_: Fields, read: Read) -> Fields:
     assert not read.results["model"]["self_weight_stable"]
+    return {}
 
 
-CLAIMS: dict[str, Callable[[Fields, Read], None]] = {
-    "unstable": _unstable, "chosen": _chosen, "linear": _linear, "limits": lambda said, read: None,
-    "interventions": _interventions, "ties_yield": _ties_yield, "history_collapse": _history,
-    "history_stands": _history, "history_peak": _history, "campaign_alone": _campaign("alone"),
-    "campaign_beside": _campaign("beside"), "campaign_opposed": _campaign("opposed"),
-    "campaign_indistinct": _indistinct, "worst_a_g_g": _worst("a_g_g"),
-    "worst_alpha_0": _worst("alpha_0"), "worst_alpha_u": _worst("alpha_u"), "worst_collapses": _worst(None),
-    "sensitive": _sensitive, "sensitive_open": _sensitive_open, "margin": _margin(False),
-    "no_margin": _margin(True), "loses_tie": _loses(True), "loses_joint": _loses(False),
-    "certificates": _certificates, "poor_certificates": _poor,
-    "converged": _converged(True), "not_converged": _converged(False), "no_convergence": _no_convergence,
-    "second_agrees": _second(True), "second_differs": _second(False), "second_missing": _second_missing,
-    **{key: _hand(key) for key in ("hand_agrees", "hand_differs")}, "balanced": _balance(True),
-    "unbalanced": _balance(False), "warnings": _warnings,
+CLAIMS: dict[str, Callable[[Fields, Read], Fields]] = {
+    "unstable": _unstable, "chosen": _chosen, "linear": _linear, "limits": lambda said, read: {},
+    "interventions": _interventions, "ties_yield": _ties_yield, "campaign_indistinct": _indistinct,
+    **{f"history_{kind}": _history for kind in ("collapse", "stands", "peak")},
+    **{f"campaign_{kind}": partial(_campaign, kind) for kind in ("alone", "beside", "opposed")},
+    **{f"worst_{quantity}": partial(_worst, quantity) for quantity in ("a_g_g", "alpha_0", "alpha_u")},
+    "worst_collapses": partial(_worst, None), "sensitive": _sensitive, "sensitive_open": _sensitive_open,
+    "margin": partial(_margin, False), "no_margin": partial(_margin, True), "loses_tie": partial(_loses, True),
+    "loses_joint": partial(_loses, False), "certificates": _certificates, "poor_certificates": _poor,
+    "converged": partial(_converged, True), "not_converged": partial(_converged, False),
+    "no_convergence": _no_convergence, "second_agrees": partial(_second, True),
+    "second_differs": partial(_second, False), "second_missing": _second_missing,
+    "hand_agrees": partial(_hand, True), "hand_differs": partial(_hand, False),
+    "balanced": partial(_balance, True), "unbalanced": partial(_balance, False), "warnings": _warnings,
 }  # fmt: skip
-PARTS = {
-    "worst_reduction",
-    "worst_among",
-    "campaign_sa",
-    "attained",
-    "not_attained",
-    *("of_improvement", "of_improvement_school", "of_retrofit", "of_retrofit_use"),
-    *RESIDUALS,
-    "file",
-}  # of sentences, or of the file
+PARTS = {  # of sentences, or of the file
+    "worst_reduction", "worst_among", "campaign_sa", "attained", "not_attained", "of_improvement",
+    "of_improvement_school", "of_retrofit", "of_retrofit_use", *RESIDUALS, "file",
+}  # fmt: skip
 
 
 def _unit(quantity: str) -> str:
@@ -379,7 +328,8 @@ def hold(results: Results) -> list[str]:
         assert len(found) == 1, text
         [(key, match)] = found.items()
         said = {name: value for name, value in match.groupdict().items() if value is not None}
-        CLAIMS[key](said, read)
+        claimed = CLAIMS[key](said, read)
+        assert claimed == {name: said.get(name) for name in claimed}, text
         assert said.get("reference", REFERENCES[read.at_surface]) == REFERENCES[read.at_surface]
         keys.append(key)
     return keys
