@@ -170,14 +170,6 @@ def test_nothing_refers_to_a_document_outside_of_the_repository():
                 assert not found, f"{path}: {found[0] if found else ''}"
 
 
-def test_the_paper_is_cited_in_full_once():
-    pages = [*DOCS.rglob("*.md"), ROOT / "README.md"]
-    assert (
-        sum("Soil Dynamics and Earthquake Engineering" in each.read_text(encoding="utf-8") for each in pages)
-        == 1
-    )
-
-
 def test_the_files_that_architecture_names_are_there():
     text = (DOCS / "architecture.md").read_text(encoding="utf-8")
     named = set(re.findall(r"`((?:assessment|mechanics|templates)/[\w/.]+)`", text))

@@ -119,10 +119,6 @@ def test_links_lead_somewhere(name):
             assert anchor in anchors(PAGES[page]), target
 
 
-def test_the_readme_is_short():
-    assert len(PAGES["README.md"].splitlines()) <= 200
-
-
 def test_no_placeholder_is_left_in_the_sources():
     """The docstring of demand_spectra said "XX" in the place of what its argument is."""
     for folder in ("assessment", "mechanics", "templates"):

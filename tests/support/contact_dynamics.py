@@ -138,16 +138,9 @@ def ends_of_overlap(
 
 @compiled
 def sweep(
-    v: Array,
-    inverse: Array,
-    blocks: Index,
-    rows: Array,
-    gaps: Array,
-    step: float,
-    friction: Array,
-    impulses: Array,
+    v: Array, inverse: Array, blocks: Index, rows: Array, gaps: Array, step: float, friction: Array, impulses: Array,
     first: bool,
-) -> float:
+) -> float:  # fmt: skip
     """Correct the impulses (c, 2) of contacts one after the other, and v (b, 3); return the largest correction.
 
     A contact lets a normal velocity of −gap/step be. `first`: the impulses act as they are.
@@ -184,22 +177,9 @@ def sweep(
 
 @compiled
 def march(
-    x: Array,
-    v: Array,
-    inverse: Array,
-    arms: Array,
-    blocks: Index,
-    pairs: Index,
-    friction: Array,
-    size: float,
-    added: Array,
-    step: float,
-    solved: float,
-    rows: Array,
-    gaps: Array,
-    impulses: Array,
-    path: Array,
-) -> None:
+    x: Array, v: Array, inverse: Array, arms: Array, blocks: Index, pairs: Index, friction: Array, size: float,
+    added: Array, step: float, solved: float, rows: Array, gaps: Array, impulses: Array, path: Array,
+) -> None:  # fmt: skip
     """Fill the positions (k, b, 3) after each step, which adds velocities (k, 2), m/s, to what is not held."""
     for k in range(len(path)):
         for b in range(len(x)):

@@ -27,7 +27,7 @@ import pytest
 
 from assessment.ntc.capacity_curve import capacity_curve
 from assessment.ntc.curve_fit import CurveFit
-from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
+from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method, verify
 
 G = 9.80665
@@ -113,18 +113,3 @@ def test_a_g_solves_its_own_equation(column, soil):
     assert scaled * G == pytest.approx(4 * pi**2 * check.d_star_m / check.T_s**2, rel=1e-10)
     scaled = check.a_g_g / spectrum.ag * spectrum.with_damping(0.10).displacement(check.T_s)
     assert scaled == pytest.approx(check.d_star_m, rel=1e-10)
-
-
-@columns
-def test_a_g_from_the_spectrum_of_a_record(column):
-    """a_g,NC = PGA·S_e(T_NC)/S_e,record(T_NC), S_e(T_NC) = 4π² d*_NC/T_NC² (the paper's own assessment)."""
-    t = np.arange(0.0, 12.0, 0.01)
-    record = 0.01 * np.sin(2.2 * t) * np.exp(-0.2 * t) + 0.4 * np.sin(11.0 * t) * np.exp(-0.4 * t)
-    spectrum = RecordSpectrum(record, 0.01)
-    check = _check(_capacity(column), spectrum)
-    assert check.governing == "0.60 d_0"
-    S_e = 4 * pi**2 * check.d_star_m / check.T_s**2 / G
-    expected = spectrum.ag * S_e / spectrum.with_damping(0.10).acceleration(check.T_s)
-    assert check.a_g_g == pytest.approx(expected, rel=1e-10)
-    assert _check(_capacity(column), spectrum, "maximum").a_g_g <= check.a_g_g
-    assert check.zeta_E == pytest.approx(check.a_g_g / spectrum.ag)

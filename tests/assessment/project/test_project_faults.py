@@ -200,17 +200,10 @@ SITE = 'latitude = 42.35\nlongitude = 13.40\ngrid = "allegato_b.txt"\n'
             "assessment.method",
             "there is no grid",
         ),
-        (
-            CONTRACT.replace("[[history]]", "[[unused]]").split("[[unused]]")[0]
-            + '[assessment]\nspectrum = "record"\n',
-            "assessment.spectrum",
-            "add [[history]]",
-        ),
-        (
-            MINIMAL + CONTROL + '[[history]]\nrecord = "records/b.csv"\n',
-            "material.normal_stiffness_kN_m3",
-            "history[1].contacts",
-        ),
+        (CONTRACT.replace("[[history]]", "[[unused]]").split("[[unused]]")[0] + '[assessment]\nspectrum = "record"\n',
+         "assessment.spectrum", "add [[history]]"),
+        (MINIMAL + CONTROL + '[[history]]\nrecord = "records/b.csv"\n', "material.normal_stiffness_kN_m3",
+         "history[1].contacts"),
         (
             MINIMAL.replace("[material]", "[material]\ncompressive_strength_kN_m2 = 900.0")
             + CONTROL
@@ -218,40 +211,22 @@ SITE = 'latitude = 42.35\nlongitude = 13.40\ngrid = "allegato_b.txt"\n'
             "history[1].contacts",
             "compressive_strength_kN_m2",
         ),
-        (
-            MINIMAL + '[layers.R]\nsupport = "right"\n' + SETTLEMENT + "steps = 2\n",
-            "settlements[1].steps",
-            "add [pushover]",
-        ),
+        (MINIMAL + '[layers.R]\nsupport = "right"\n' + SETTLEMENT + "steps = 2\n", "settlements[1].steps",
+         "add [pushover]"),
         (MINIMAL + "[sensitivity]\nfriction = [0.8, 1.2]\n", "sensitivity", "there is no capacity to vary"),
-        (
-            MINIMAL + entry("pier", "lean", PIER, 1.0),
-            "measurement",
-            "nothing uses the measurements; add [identification]",
-        ),
-        (
-            CONTRACT.replace("[assessment.site]\n" + SITE, "[unused]\n").partition("[unused]")[0],
-            "assessment.site",
-            "add [assessment.site]",
-        ),
+        (MINIMAL + entry("pier", "lean", PIER, 1.0), "measurement",
+         "nothing uses the measurements; add [identification]"),
+        (CONTRACT.replace("[assessment.site]\n" + SITE, "[unused]\n").partition("[unused]")[0], "assessment.site",
+         "add [assessment.site]"),
         (CONTRACT + "[sensitivity]\n", "sensitivity", "write low and high factors of friction, stiffness"),
-        (
-            CONTRACT + "[sensitivity]\ndepth = [1.2, 0.8]\n",
-            "sensitivity.depth",
-            "[1.2, 0.8] is no range; write the low factor, then the high one",
-        ),
-        (
-            CONTRACT + '[sensitivity]\ndepth = [0.8, 1.2]\nstates = ["right"]\n',
-            "sensitivity.states[1]",
-            'no state "right"; valid: "original", "right support 20 mm"',
-        ),
-        (
-            CONTRACT.replace("trilinear", "none") + "[sensitivity]\nstiffness = [0.5, 2]\n",
-            "sensitivity.stiffness",
-            "uses no stiffness",
-        ),
+        (CONTRACT + "[sensitivity]\ndepth = [1.2, 0.8]\n", "sensitivity.depth",
+         "[1.2, 0.8] is no range; write the low factor, then the high one"),
+        (CONTRACT + '[sensitivity]\ndepth = [0.8, 1.2]\nstates = ["right"]\n', "sensitivity.states[1]",
+         'no state "right"; valid: "original", "right support 20 mm"'),
+        (CONTRACT.replace("trilinear", "none") + "[sensitivity]\nstiffness = [0.5, 2]\n", "sensitivity.stiffness",
+         "uses no stiffness"),
     ],
-)
+)  # fmt: skip
 def test_tables_that_need_each_other(folder, text, key, said):
     first, *_ = message(folder, text).splitlines()
     assert first.startswith(f"project.toml: {key}: ") and said in first

@@ -7,7 +7,6 @@ import pytest
 from assessment.ntc.tables import farthest
 from assessment.report.tables.structure import strengthening
 from assessment.results.schema import Results, Summary, SummaryRow
-from assessment.results.schema.part import ratio_decimals
 from assessment.results.summary import summary_of
 from tests.support.analysed import SETTLED, analysed
 from tests.support.typed import typed
@@ -138,15 +137,3 @@ def test_a_strengthened_state_has_its_gain_over_the_state_that_it_strengthens():
     assert farthest(before) == "SLC" and (made["state"], made["of"]) == ("tied", SETTLED)
     assert (made["limit_state"], made["zeta_E"]) == ("SLV", after["SLV"].zeta_E)
     assert was["zeta_E"] == before["SLV"].zeta_E and "zeta_E" not in other
-
-
-@pytest.mark.parametrize(
-    ("ratio", "written"),
-    [
-        (0.9994, "0.999"), (0.99996, "0.99996"), (1.0, "1.00"), (1.0004, "1.00"), (0.5, "0.50"),
-        (0.9949, "0.99"),
-    ],
-)  # fmt: skip
-def test_a_ratio_has_the_decimals_that_tell_on_which_side_of_one_it_is(ratio, written):
-    """ "1.00" stood beside "not verified"."""
-    assert f"{ratio:.{ratio_decimals(ratio)}f}" == written

@@ -188,30 +188,3 @@ def test_star_500(corners, close, said, tmp_path, monkeypatch):
     space.add_line((-2e3, -1e3), (-2e3, 1e3), {"layer": "STONES"})
     outline(space, [*star.tolist(), *([] if close else [(1e3, 0.1)])], close=close)
     assert said in refused(document, tmp_path)
-
-
-@pytest.mark.parametrize("by", ["XZ", "OCS"])
-def test_front_view(by, tmp_path):
-    document, space = drawing(unit="m")
-    for ring in ([(0, 0), (2, 0), (2, 1), (0, 1)], [(0.5, 1), (1.5, 1), (1.5, 4), (0.5, 4)]):
-        if by == "XZ":
-            space.add_polyline3d([(x, 3.0, z) for x, z in ring], close=True)
-        else:
-            outline(space, ring).dxf.extrusion = (0, -1, 0)
-    found = read(document, tmp_path, unit="m")
-    assert [block.polygon[:, 1].max() for block in found.blocks] == pytest.approx([1.0, 4.0])
-    assert any("turned" in warning for warning in found.warnings)
-
-
-def test_clipped_insert(tmp_path):
-    from ezdxf.xclip import XClip
-
-    document, space = drawing()
-    column = document.blocks.new("COLUMN")
-    for k in range(13):
-        outline(column, [(0, 10 * k), (20, 10 * k), (20, 10 * k + 10), (0, 10 * k + 10)], "0")
-    insert = space.add_blockref("COLUMN", (0, 0))
-    XClip(insert).set_block_clipping_path([(-1, -1), (21, 70)])
-    assert len(read(document, tmp_path).blocks) == 7
-    XClip(insert).set_block_clipping_path([(-1, -1), (21, 75)])
-    assert "is cut by the clip of INSERT" in refused(document, tmp_path)
