@@ -242,9 +242,7 @@ def warning_lines(warnings: Iterable[str]) -> list[str]:
 
 def summary(outcome: Outcome, folder: Path, warnings: Iterable[str]) -> str:
     """Return a summary of the run: what was found, a table by state and direction, then the warnings."""
-    from assessment.report.chapters.judgement import told
-
-    lines = [outcome.told or told(outcome.results)]
+    lines = [outcome.told]
     if outcome.taken:
         lines.append(
             f"taken over from earlier runs: {outcome.taken} of {outcome.taken + outcome.computed} analyses, "

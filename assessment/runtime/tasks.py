@@ -99,13 +99,13 @@ class _Stage:
 
 @dataclass(frozen=True)
 class Outcome:
-    """Results of a run, whether complete, counts of analyses computed and taken over, and what an earlier run told."""
+    """Results of a run, whether complete, counts of analyses computed and taken over, and what the terminal tells."""
 
     results: Results
     complete: bool
     computed: int
     taken: int
-    told: str = ""
+    told: str
 
 
 @dataclass

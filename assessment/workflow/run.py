@@ -53,7 +53,7 @@ class LastRun:
 
     def outcome(self, folder: Path) -> Outcome:
         """Return the outcome stored in the folder; none of its analyses is computed again."""
-        from assessment.results.schema import read_results  # late: see run.py
+        from assessment.results.schema import read_results  # late: see above
 
         return Outcome(read_results(folder / "results.json"), self.complete, 0, self.analyses, self.told)
 
@@ -76,10 +76,8 @@ def recall(folder: Path) -> LastRun | None:
 
 def remember(folder: Path, outcome: Outcome, key: str, warnings: list[str]) -> None:
     """Store the record of a run in its output folder, for the next run."""
-    from assessment.report.chapters.judgement import told  # late: see run.py
-
     number = outcome.computed + outcome.taken
-    left = LastRun(key, _digests(folder), outcome.complete, number, warnings, told(outcome.results))
+    left = LastRun(key, _digests(folder), outcome.complete, number, warnings, outcome.told)
     Store(folder / FOLDER).keep(ENTRY, json.dumps(asdict(left)))
 
 
@@ -240,6 +238,7 @@ def print_again(project: Project, folder: Path) -> list[str]:
 
     Raises ValueError for results that are missing or cannot be printed (damaged, of another version), BusyError.
     """
+    from assessment.report.chapters.judgement import told
     from assessment.results.schema import read_results
     from mechanics.messages import message
 
@@ -275,5 +274,5 @@ def print_again(project: Project, folder: Path) -> list[str]:
         if last is not None and not edited:
             # that of no run where the page would be printed again
             key = last.key if last.key == key_of(project) else ""
-            remember(folder, Outcome(results, last.complete, 0, last.analyses), key, warnings)
+            remember(folder, Outcome(results, last.complete, 0, last.analyses, told(results)), key, warnings)
     return warnings

@@ -20,6 +20,7 @@ from assessment.analyses.time_history import MotionInputs, motion_part, starts_o
 from assessment.project.model import ProjectModel, StateModel
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL
+from assessment.report.chapters.judgement import told
 from assessment.results.schema import Results, StateResults
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.dynamic import Campaign
@@ -63,7 +64,7 @@ def run(
         results = draft.finished()
     if store:
         store.prune()
-    return Outcome(results, draft.complete, workers.computed, workers.taken)
+    return Outcome(results, draft.complete, workers.computed, workers.taken, told(results))
 
 
 @dataclass

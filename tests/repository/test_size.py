@@ -14,7 +14,7 @@ LINES = {
     "assessment/analyses": 4319,
     "assessment/app": 1288,
     "assessment/benchmark": 1016,
-    "assessment/cli": 604,
+    "assessment/cli": 602,
     "assessment/ntc": 2049,
     "assessment/project": 4466,
     "assessment/report": 5565,

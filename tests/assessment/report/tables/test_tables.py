@@ -6,10 +6,9 @@ import pandas as pd
 import pytest
 from markupsafe import Markup
 
-from assessment.cli.commands import summary as terminal
 from assessment.project.project import json_schema
 from assessment.report.chapters.grids import check_grids, grid, printed_tables
-from assessment.report.chapters.judgement import draft_judgement
+from assessment.report.chapters.judgement import draft_judgement, told
 from assessment.report.chapters.remarks import indices as index_sentences
 from assessment.report.chapters.synthesis import synthesis_grid
 from assessment.report.document import write_tables
@@ -21,7 +20,6 @@ from assessment.report.tables.structure import layers
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import QUANTITIES, key
 from assessment.results.summary import checks_asked, undetermined
-from assessment.runtime.tasks import Outcome
 from tests.support.judgement.claims import hold
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
@@ -245,10 +243,10 @@ def test_a_multiplier_that_was_asked_for_and_not_found_is_no_dash():
     assert words("value.none") not in row[:-2] and row.count(words("value.open")) > 5
 
 
-def test_sentences_and_terminal_say_so(tmp_path):
+def test_sentences_and_terminal_say_so():
     results = typed(halved())
     hold(halved())
     text = " ".join(draft_judgement(results, words_of(results)))
     said = f"not determined, no capacity was found: “{SETTLED}”, +x (annex D)"
     assert said in text
-    assert f"ζ_E {said}." in terminal(Outcome(results, False, 0, 0), tmp_path, []).splitlines()
+    assert f"ζ_E {said}." in told(results).splitlines()
