@@ -1,28 +1,41 @@
 """A hand-made results dictionary: an arch of five voussoirs on two supports, original and settled.
 
-Geometry, curves and spectra follow from a few formulas, so that the numbers agree with one another
-(a* = α/e*, d* = d Γ*, T from d*/a*, ζ_E = capacity/demand, reductions), as those of an analysis would.
+Geometry and curves follow from a few formulas; capacities, checks and spectra are those that the program finds of them.
 """
 
 import itertools
+import json
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
 
+from assessment.analyses.capacity import checks_of, curve_of
+from assessment.ntc.capacity_curve import capacity_curve
+from assessment.ntc.curve_fit import CurveFit, fit_curve
+from assessment.ntc.spectrum import ElasticSpectrum
+from assessment.ntc.verification import verify
 from assessment.results.schema import FORMAT, Results
+from assessment.results.schema.checks import Capacity, Count
 from assessment.results.schema.part import plain
 from assessment.results.summary import EMPTY, summary_of
 
 G = 9.80665
-S = 1.2
 SETTLED = "right support 20 mm"
-DEMAND = {"SLD": (0.104, 2.33, 0.28), "SLV": (0.261, 2.36, 0.35), "SLC": (0.334, 2.40, 0.36)}  # L'Aquila
+HAZARD = {"SLD": (0.104, 2.33, 0.28), "SLV": (0.261, 2.36, 0.35), "SLC": (0.334, 2.40, 0.36)}  # L'Aquila
+SPECTRA = {limit: ElasticSpectrum(*values, "B") for limit, values in HAZARD.items()}
 DAMPING = {"SLD": 0.05, "SLV": 0.08, "SLC": 0.10}
 
 
 def results_example(language: str = "it") -> dict[str, Any]:
     """Return a fresh results dictionary; change it at will."""
+    made: dict[str, Any] = json.loads(_results(language))
+    return made
+
+
+@cache
+def _results(language: str) -> str:
     states = {
         "original": _state(0.0, 0.153, 0.192),
         SETTLED: _state(0.02, 0.131, 0.161) | {"settlement": _settlement(), "pushdown": _pushdown()},
@@ -40,7 +53,7 @@ def results_example(language: str = "it") -> dict[str, Any]:
         "geometry": _geometry(),
         "echo": _echo(language),
         "states": states,
-        "spectra": {limit: _spectrum(*values, DAMPING[limit]) for limit, values in DEMAND.items()},
+        "spectra": {limit: _spectrum(limit) for limit in SPECTRA},
         "comparison": [
             {
                 "state": SETTLED,
@@ -95,7 +108,7 @@ def results_example(language: str = "it") -> dict[str, Any]:
         },
     }  # fmt: skip
     without = Results.model_validate(content | {"summary": EMPTY})
-    return content | {"summary": plain(summary_of(without))}
+    return json.dumps(content | {"summary": plain(summary_of(without))})
 
 
 def _frames(index: list[int], movement: float) -> dict[str, Any]:
@@ -197,8 +210,7 @@ def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
         peak = 0.12 * d0
         rising = a0 * 0.86 * np.sin(np.clip(displacement / peak, 0.0, 1.0) * math.pi / 2.0)
         elastic = np.where(displacement < peak, rising, np.minimum(0.86 * a0, 0.98 * rigid))
-        alpha_u = float(elastic.max())
-        alpha_y, d_y = 0.9 * alpha_u, 0.6 * peak
+        fit = fit_curve("trilinear", (displacement, rigid), (displacement, elastic))
         pushover[direction] = {
             "control": "C1",
             "rigid": {
@@ -212,7 +224,7 @@ def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
                 "frames": _frames([0], movement),
             },
             "elastic": {
-                "alpha_u": alpha_u, "alpha_y": alpha_y, "d_y_m": d_y,
+                "alpha_u": fit.alpha_u, "alpha_y": fit.alpha_y, "d_y_m": fit.d_y,
                 "curve": {"displacement_m": (sense * displacement).tolist(), "multiplier": elastic.tolist()},
                 "d_u_m": float(displacement[elastic.argmax()]), "peak": int(elastic.argmax()), "end": "α = 0",
                 "sliding": "associative", "reached_zero": True,
@@ -221,84 +233,33 @@ def _state(movement: float, alpha_0: float, d_0: float) -> dict[str, Any]:
                 "frames": _frames(sorted({0, int(elastic.argmax())}), movement),
             },
         }  # fmt: skip
-        capacity[direction] = _capacity(a0, d0, alpha_y, d_y, e_star, gamma_star)
+        capacity[direction] = _capacity(fit, e_star, gamma_star)
     return {
         "configuration": _configuration(movement), "settlement": None, "pushdown": {}, "pushover": pushover,
         "capacity": capacity, "history": [], "incremental": {},
     }  # fmt: skip
 
 
-def _capacity(
-    a0: float, d0: float, alpha_y: float, d_y: float, e_star: float, gamma_star: float
-) -> dict[str, Any]:
-    crossing = d0 * (1.0 - alpha_y / a0)
-    d_star = np.array([0.0, d_y, crossing, d0]) * gamma_star
-    a_star = np.array([0.0, alpha_y, alpha_y, 0.0]) / e_star
-    found: dict[str, Any] = {
-        "mechanism": {"hinges": 4, "sliding_joints": 1}, "notes": [], "trace": [],
-        "d_0_star_m": float(d_star[-1]), "e_star": e_star, "gamma_star": gamma_star,
-        "T_0_s": 2.0 * math.pi * math.sqrt(d_star[1] / (a_star[1] * G)), "model": "trilinear",
-        "curve": {"d_star_m": d_star.tolist(), "a_star_g": a_star.tolist()},
-    }  # fmt: skip
-    activation = _point("linear", 5.0) | {
-        "d_star_m": float(d_star[1]),
-        "a_star_g": float(a_star[1]),
-        "T_s": found["T_0_s"],
-        "a_g_g": float(a_star[1]) / 1.2,
-    }
-    found["SLD"] = activation | _demanded(activation["a_g_g"], "SLD")
-    for limit, share, factor, damping in (("SLV", 0.4, 1.68, 8.0), ("SLC", 0.6, 1.56, 10.0)):
-        d_limit = share * float(d_star[-1])
-        a_limit = float(np.interp(d_limit, d_star, a_star))
-        period = factor * math.pi * math.sqrt(d_limit / (a_limit * G))
-        spectrum = _spectrum(*DEMAND[limit])
-        per_unit = np.interp(period, spectrum["T_s"], spectrum["S_De_m"]) * math.sqrt(10.0 / (5.0 + damping))
-        a_g = DEMAND[limit][0] * d_limit / float(per_unit)
-        found[limit] = _point("nonlinear", damping)
-        found[limit] |= {"d_star_m": d_limit, "a_star_g": a_limit, "T_s": period, "a_g_g": a_g}
-        found[limit] |= _demanded(a_g, limit)
-    found["SLC"]["trace"] = [
-        {
-            "symbol": "T_SLC",
-            "formula": "1.56*pi*sqrt(d_star_SLC/(a_star_SLC*g))",
-            "inputs": {
-                "d_star_SLC": found["SLC"]["d_star_m"],
-                "a_star_SLC": found["SLC"]["a_star_g"],
-                "g": G,
-            },
-            "result": found["SLC"]["T_s"],
-            "unit": "s",
-            "paragraph": "Circolare 7/2019 C8.7.1.2.1.4",
-        }
-    ]
-    return found
+def _capacity(fit: CurveFit, e_star: float, gamma_star: float) -> dict[str, Any]:
+    curve = capacity_curve(fit, e_star, gamma_star)
+    checks = checks_of(curve, verify(curve, SPECTRA))
+    found = Capacity(
+        mechanism=Count(hinges=4, sliding_joints=1), notes=[], trace=[], d_0_star_m=curve.d_0_star,
+        e_star=e_star, gamma_star=gamma_star, T_0_s=curve.T_0, model=fit.model, curve=curve_of(curve),
+    ).with_checks({limit: checks[limit] for limit in SPECTRA})  # fmt: skip
+    made: dict[str, Any] = plain(found)
+    return made
 
 
-def _point(method: str, damping: float) -> dict[str, Any]:
-    """What a check has beside its numbers; damping in per cent."""
-    beside = {"return_period_years": None, "governing": "activation" if method == "linear" else "0.40 d_0"}
-    return {"method": method, "damping": damping / 100.0, **beside, "notes": [], "trace": []}
-
-
-def _demanded(a_g: float, limit: str) -> dict[str, Any]:
-    demand = DEMAND[limit][0]
-    at_surface = {"pga_g": S * a_g, "demand_pga_g": S * demand, "S": S, "demand_S": S}
-    return {"demand_a_g_g": demand, **at_surface, "zeta_E": a_g / demand, "verified": a_g >= demand}
-
-
-def _spectrum(a_g: float, F0: float, Tc_star: float, damping: float = 0.05) -> dict[str, Any]:
-    T_c = 1.10 * Tc_star**-0.20 * Tc_star
-    T_b, T_d, S = T_c / 3.0, 4.0 * a_g + 1.6, min(1.2, 1.40 - 0.40 * F0 * a_g)
-    T: np.ndarray = np.unique(np.r_[0.0, np.geomspace(0.02, 4.0, 60), T_b, T_c, T_d])
-    rising, falling = 1.0 / F0 + (1.0 - 1.0 / F0) * T / T_b, T_c / np.maximum(T, T_c)
-    shape = np.where(T_b > T, rising, falling * np.where(T_d < T, T_d / np.maximum(T, T_d), 1.0))
-    S_e = a_g * S * F0 * shape
-    damped = math.sqrt(10.0 / (5.0 + 100.0 * damping)) * S_e
+def _spectrum(limit: str) -> dict[str, Any]:
+    spectrum, T = SPECTRA[limit], np.unique(np.r_[0.0, np.geomspace(0.02, 4.0, 60)])
+    damped = spectrum.with_damping(DAMPING[limit])
     return {
-        "kind": "ground", "S": S, "T_B_s": T_b, "T_C_s": T_c, "T_D_s": T_d, "damping": damping,
-        "damped_S_e_g": damped.tolist(), "damped_S_De_m": (damped * G * (T / (2.0 * math.pi)) ** 2).tolist(),
-        "a_g_g": a_g, "F0": F0, "Tc_star_s": Tc_star, "soil": "B", "topography": "T1", "T_s": T.tolist(),
-        "S_e_g": S_e.tolist(), "S_De_m": (S_e * G * (T / (2.0 * math.pi)) ** 2).tolist(),
+        "kind": "ground", "S": spectrum.S, "T_B_s": spectrum.T_B, "T_C_s": spectrum.T_C, "T_D_s": spectrum.T_D,
+        "damping": damped.damping, "a_g_g": spectrum.ag, "F0": spectrum.F0, "Tc_star_s": spectrum.Tc_star,
+        "soil": spectrum.soil, "topography": spectrum.topography, "T_s": T.tolist(),
+        "S_e_g": spectrum.acceleration(T).tolist(), "S_De_m": spectrum.displacement(T).tolist(),
+        "damped_S_e_g": damped.acceleration(T).tolist(), "damped_S_De_m": damped.displacement(T).tolist(),
     }  # fmt: skip
 
 
