@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -31,7 +32,7 @@ from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_
 from mechanics.steps.rest import come_down
 from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.static_system import Sliding, StaticSystem, static_system
-from mechanics.steps.tolerances import LIMIT, STEP
+from mechanics.steps.tolerances import LIMIT, REST, STEP
 from mechanics.types import GRAVITY, Array
 
 if TYPE_CHECKING:
@@ -40,7 +41,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 POINTS = 20_000  # most of a path that goes on to collapse
-FASTER = 3.0  # times the way to which the last step leads: blocks that go farther may have snapped
 KICKS = (1e-3, 5e-3)  # √(size·g): speeds along its jump with which what jumps is released
 
 
@@ -273,7 +273,7 @@ class Led:
         before, system, far = self.last.state, self.last.system, self.last.system.model.farthest
         found, _, jumped = self.reach(guess, lever * by, shortest)
         x = before.positions
-        snaps = self.rate.any() and far(x, found.state.positions) > FASTER * far(x, x + by * self.rate)
+        snaps = self.rate.any() and far(x, found.state.positions) > REST.faster * far(x, x + by * self.rate)
         if snaps and not shortest:
             raise ConvergenceError(message("the blocks move farther than the last step leads to"))
         if jumped or snaps:
@@ -312,7 +312,8 @@ class _Path:
         if moving.system.rigid:
             onset = LIMIT.onset * min(increment, self.model.size)
             guess = moving.moved(begun.state.positions, onset)
-            begun = self.led.reach(guess, moving.lever * onset, True).step
+            with suppress(RunawayError):  # what falls at once does so in the first step too
+                begun = self.led.reach(guess, moving.lever * onset, True).step
         self.reactions = [reaction(begun, self.index)[:2]]
         self.certificates = [self.led.last.certificate, begun.certificate]
         self.crossed: list[tuple[float, float]] = []

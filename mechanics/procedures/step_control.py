@@ -170,9 +170,8 @@ def _reach(problem: StepProblem, guess: Array, last: Equilibrium | None, shortes
             stop = error
     if not shortest:
         raise stop
-    # without a push what falls by Coulomb's law is not held by one that lifts what slides
-    falls = any(isinstance(each, NoEquilibriumError) for each in (stop, stop.__cause__))
-    if rigid and problem.system.dilation < 1.0 and not (falls and problem.lateral is None):
+    # a push alone: what falls as a support moves is not held by a law that lifts what slides
+    if rigid and problem.system.dilation < 1.0 and problem.lateral is not None:
         with suppress(NoEquilibriumError, ConvergenceError):  # by the associative law: its lift is small here
             return Reached(sound(find_equilibrium(replace(problem, lifts=True), guess, last)))
     begun = np.where(problem.system.model.movable[:, None], problem.start.positions, guess)

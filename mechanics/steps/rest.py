@@ -17,7 +17,7 @@ from mechanics.kernels.joint import H
 from mechanics.messages import message
 from mechanics.model.contacts import end_gaps
 from mechanics.program import Program, bed_gaps, end_forces
-from mechanics.solvers import ACCEPTED, USABLE, interior
+from mechanics.solvers import ACCEPTED, interior
 from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.geometry_iteration import Round, certified, find_equilibrium
@@ -46,22 +46,26 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
 
     They move under the problem's load; if it has a lateral load, that pushes until its `work` is done and then holds
     them. The time step follows the motion: blocks that fall move by `way` or a `stride` in a step, blocks that creep
-    take longer steps, and shorter ones where a step has no stable solution nearby. Raises RunawayError if a block moves
-    farther than `farthest`, or if the motion does not slow down within `steps`, or if it stops at an unstable
-    equilibrium; ConvergenceError if it still slows down then, or has without a certified equilibrium.
+    take longer steps, and shorter ones where a step has no stable solution nearby, or none by Coulomb's law. Raises
+    RunawayError if a block moves farther than `farthest`, or if the motion does not slow down within `steps`, or if it
+    stops at an unstable equilibrium; ConvergenceError if it still slows down then, or has without a certified
+    equilibrium.
     """
     model, solves = problem.system.model, 0
     still, least = STEP.slow * model.size, tolerances.way * model.size
     now, at, time = replace(problem, size=least), begun, tolerances.first
-    exact = USABLE if problem.system.rigid else STEP.slow
     last: Round | None = None
-    half_way, slowing = np.inf, False
+    force, half_way, slowing = np.inf, np.inf, False
     for step in range(tolerances.steps):
         before, now = now, replace(now, system=now.system.around(at, now.size))
         mass = model.mass / (time**2 * model.size / GRAVITY)
         if last:
             last = _over(last, before.system, now.system)
-        found = _step_from_rest(replace(now, mass=mass), at, last, time > tolerances.first)
+        shorter = time > tolerances.first
+        # what the last imbalance does not lead to is another solution
+        led = max(force * time**2, STEP.slow * model.size)
+        near = tolerances.faster * led if shorter else tolerances.jump * now.size
+        found = _step_from_rest(replace(now, mass=mass), at, last, near, shorter)
         if found is None:
             time = max(0.5 * time, tolerances.first)
             continue
@@ -76,7 +80,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         if half_way == np.inf and step >= tolerances.steps // 2 > 0:
             half_way = force
         size = max(least, tolerances.stride * far)
-        time *= min(2.0, np.sqrt(size / max(left, 1e-300)))
+        time *= min(tolerances.growth, np.sqrt(size / max(left, 1e-300)))
         # slips count from the last step: a joint that has slid does not slide back
         assert last.forces is not None
         start = state_at_rest(now.system, moved, last.forces, now.start)
@@ -84,13 +88,13 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         now, at = replace(now, start=start, work=problem.work - done, size=size), moved
         if force > still:
             continue
-        held = certified(replace(now, size=problem.size), last)
+        held = certified(replace(now, size=least), last)
         with suppress(NoEquilibriumError, ConvergenceError):
             # next to an unstable equilibrium a motion is slow too, and another may lie on its other side
             rested = find_equilibrium(replace(now, size=problem.size), moved, held)
             return replace(rested, solves=rested.solves + solves)
         # forces and geometry may alternate about the rest; what is unstable only passes an equilibrium
-        if slowing and held.stable and held.certificate.worst(least) <= exact:
+        if slowing and held.stable and held.certificate.worst(least) <= STEP.slow:
             return replace(held, solves=solves)
         if left <= STEP.rounding * model.size and not held.stable:
             raise RunawayError(UNSTABLE)
@@ -113,12 +117,14 @@ def _over(last: Round, before: StaticSystem, now: StaticSystem) -> Round:
     return replace(last, forces=forces, iterate=iterate)
 
 
-def _step_from_rest(problem: StepProblem, at: Array, last: Round | None, shorter: bool) -> Round | None:
+def _step_from_rest(
+    problem: StepProblem, at: Array, last: Round | None, near: float, shorter: bool
+) -> Round | None:
     """Return the round of one step from rest at positions (b, 3), sought near the last one.
 
     The program contains the change of the last forces with the geometry. Without it blocks follow a slow motion at a
     fraction of its speed and would seem to come to rest. Where it has no stable solution nearby the step is too long:
-    None if it can be `shorter`; else its geometry is held.
+    None if it can be `shorter`; else its geometry is held. `near` (m): how far a step may lead.
     """
     system, size = problem.system, problem.system.model.size
     program, index = problem.pose(at, None if last is None else last.forces)
@@ -128,22 +134,28 @@ def _step_from_rest(problem: StepProblem, at: Array, last: Round | None, shorter
         program = proximal(program, warm.forces)
         frozen = interior.frozen(program)
     full, held, solves = None, None, 0  # solutions with the geometry that changes, and with the geometry held
-    if warm and curved:
-        full, solves = _stable(program, layout, warm.warm(program)), 1
-        if full and way(at, displaced(system.model, at, full.displacement), size) > REST.jump * problem.size:
-            full = None
-        if full is None and shorter:
+
+    def nearby(begin: Iterate) -> Iterate | None:
+        solution = _stable(program, layout, begin)
+        if solution and way(at, displaced(system.model, at, solution.displacement), size) > near:
             return None
+        return solution
+
+    if warm and curved:
+        full, solves = nearby(warm.warm(program)), 1
     if full is None:
         cold = interior.cold(frozen)
-        # a step by Coulomb's law may have no solution, one that lifts always has
-        lifting = interior.with_dilation(frozen, 1.0) if system.dilation < 1.0 else frozen
-        for tried, start in ((frozen, warm and warm.warm(frozen)), (frozen, cold), (lifting, cold)):
+        for start in (warm and warm.warm(frozen), cold):
             if start and not held:
-                held, solves = _solved(tried, layout, start), solves + 1
+                held, solves = _solved(frozen, layout, start), solves + 1
+        if held is None and not shorter and system.dilation < 1.0:
+            # a step by Coulomb's law may have no solution, one that lifts always has
+            held, solves = _solved(interior.with_dilation(frozen, 1.0), layout, cold), solves + 1
         if held and curved:
-            near = replace(held.warm(program, STEP.go_on), displacement=held.displacement)
-            full, solves = _stable(program, layout, near), solves + 1
+            begin = replace(held.warm(program, STEP.go_on), displacement=held.displacement)
+            full, solves = nearby(begin), solves + 1
+        if shorter and (held is None or (curved and full is None)):
+            return None
     found = full or held
     if found is None:
         raise ConvergenceError(message("a step of the path was not solved to the required accuracy"))

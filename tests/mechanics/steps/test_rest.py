@@ -146,9 +146,11 @@ def test_what_does_not_move_at_all_is_at_rest(monkeypatch):
     def undecided(*_):
         raise ConvergenceError("undecided")
 
-    monkeypatch.setattr(
-        module, "_step_from_rest", lambda p, at, *more: replace(step(p, at, *more), at=at.copy())
-    )
+    def stays(now, at, *more):
+        found = step(now, at, *more)
+        return found and replace(found, at=at.copy())
+
+    monkeypatch.setattr(module, "_step_from_rest", stays)
     monkeypatch.setattr(module, "find_equilibrium", undecided)
     monkeypatch.setattr(module, "certified", lambda *_: rested)
     assert motion_to_rest(problem, problem.start.positions).certificate == rested.certificate
