@@ -8,6 +8,7 @@ from typing import Any
 from assessment.ntc.tables import INDEXED, SURFACE, farthest
 from assessment.results import schema
 from assessment.results.schema.checks import CHECKS, Capacity, Direction
+from assessment.results.schema.part import Part
 from assessment.results.schema.static import Mechanism, OtherLaw, Pushovers
 from assessment.results.schema.studies import Explanation, FittedMovement, Identification, ReadySettlement
 from assessment.results.table import ORIGINAL, reduction, static_pga
@@ -143,7 +144,7 @@ def _row(
         before, after = _counting(there(of)[0], limit), checks[limit]
         alike = before.check == after.check or limit not in INDEXED  # else one is linear, one is not
         lost = reduction(before.zeta_E, after.zeta_E) if alike else None
-        return lost, None if lost is None else apart(before, after)
+        return lost, None if lost is None else apart(before, after, "zeta_E")
 
     made = state.strengthening
     for limit, check in checks.items():
@@ -170,10 +171,10 @@ def _row(
             row |= {"alpha_0": rigid.alpha_0, "d_0_m": rigid.d_0_m, "mechanism": _mechanism(rigid.mechanism)}
             if (law := rigid.other_law) is not None:
                 row["other_law"] = OtherLaw(sliding=law.sliding, alpha_0=law.alpha_0)
-        if before and rigid and before.rigid:
-            row["alpha_loss"] = reduction(before.rigid.alpha_0, rigid.alpha_0)
-        elif before and elastic and before.elastic:
-            row["alpha_loss"] = reduction(before.elastic.alpha_u, elastic.alpha_u)
+        if before and (was := before.rigid) and rigid:
+            row |= _alpha_loss(was, rigid, "alpha_0")
+        elif before and (bent := before.elastic) and elastic:
+            row |= _alpha_loss(bent, elastic, "alpha_u")
     if capacity and capacity.alpha_0 is not None and capacity.other_law:
         row |= {"alpha_0": capacity.alpha_0, "other_law": capacity.other_law}
     if state.incremental.records is not None:
@@ -187,9 +188,15 @@ def _row(
     return schema.SummaryRow(**row)
 
 
-def apart(one: schema.SummaryCheck, other: schema.SummaryCheck) -> bool:
-    """Return whether the ranges of two indices do not overlap; one that does not scatter is its own range."""
-    (low, high), (least, most) = (each.zeta_E_range or [each.zeta_E] * 2 for each in (one, other))
+def _alpha_loss(was: Part, now: Part, name: str) -> dict[str, Any]:
+    lost = reduction(getattr(was, name), getattr(now, name))
+    return {"alpha_loss": lost, "alpha_distinguishable": apart(was, now, name)}
+
+
+def apart(one: Part, other: Part, name: str) -> bool:
+    """Return whether the ranges of a quantity do not overlap; one that does not scatter is its own range."""
+    ranges = (getattr(each, f"{name}_range") or [getattr(each, name)] * 2 for each in (one, other))
+    (low, high), (least, most) = ranges
     above, most = (inf if each is None else each for each in (high, most))
     return above < (least or 0.0) or most < (low or 0.0)
 

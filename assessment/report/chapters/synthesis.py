@@ -72,7 +72,9 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
     check = index_of(row, limit)
     quantity = "zeta_E" if check else "alpha_u" if row.alpha_0 is None else "alpha_0"
     value = check.zeta_E if check else getattr(row, quantity)
-    loss = check.loss if check else row.alpha_loss
+    loss, distinct = (
+        (check.loss, check.distinguishable) if check else (row.alpha_loss, row.alpha_distinguishable)
+    )
     outcome = _outcome(results, name, words) if check else ""
     where = [_kind(check, words), limit if check else "", direction_name(row.direction or "")]
     rows = [at for at in results.summary.rows if at.direction]
@@ -89,7 +91,7 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
     drawn = {each.direction: index_of(each, limit) for each in rows_of(results, ORIGINAL)}
     if loss is not None and value is not None and loss < 1.0:
         before = written(quantity, value / (1.0 - loss), words)
-        kind = "indistinct" if check and check.distinguishable is False else "loss" if loss >= 0.0 else "gain"
+        kind = "indistinct" if distinct is False else "loss" if loss >= 0.0 else "gain"
         change = words(f"synthesis.{kind}", share=abs(loss))
         said += words("synthesis.before", before=before, change=change)
     elif check and (was := drawn.get(row.direction)):
@@ -141,7 +143,7 @@ def _strengthened(results: Results, name: str, words: Words) -> Markup:
     if check.gain is None:  # one index is of a linear check, one is not
         key = "synthesis.strengthened_by"
     else:
-        key = "synthesis.strengthened" if apart(was, check) else "synthesis.strengthened_same"
+        key = "synthesis.strengthened" if apart(was, check, "zeta_E") else "synthesis.strengthened_same"
     numbers = {"before": was.zeta_E, "after": check.zeta_E, "gain": check.gain}
     kinds = {"kind": _kind(check, words), "kind_before": _kind(was, words)}
     least, now_least = known(least_row(results, name)), Markup("")

@@ -54,6 +54,7 @@ class SummaryRow(Multipliers):
     run: Run | None = optional("of the static numbers")
     control: str | None = optional("control point of the push")
     alpha_loss: float | None = optional("1 − α/α(original), of α_0, with elastic joints alone of α_u")
+    alpha_distinguishable: bool | None = optional("whether the ranges of these α do not overlap")
     checks: dict[str, SummaryCheck] = key("by limit state; empty: no assessment")
     governing: str | None = key("limit state of the least ratio; null: none is determined")
     verified: bool | None = key(

@@ -218,15 +218,17 @@ def test_ranges_on_both_sides_of_one_decide_nothing_and_overlapping_ones_tell_no
     assert all("not distinguishable" in " ".join(row) for row in grid.rows if "riginal" not in row[0])
 
 
-def test_without_an_index_the_range_is_that_of_the_multiplier():
+def test_without_an_index_the_ranges_are_those_of_the_multiplier():
     results = results_example("en")
     for content in results["states"].values():
         content["capacity"] = {}
         for pushed in content["pushover"].values():
             pushed["rigid"] |= {"alpha_0_range": [0.1, 0.2]}
     results["echo"] |= {"assessment": None, "scatter": 5}
-    said = " ".join(map(plain_text, basis(typed(results), WORDS)))
+    found = typed(results)
+    said = " ".join(map(plain_text, basis(found, WORDS)))
     assert "is the least of several computations" in said and "between 0.100 and 0.200" in said
+    assert "no distinguishable change" in Markup(lead(found, WORDS)[0]).striptags()
 
 
 def test_the_action_is_that_of_the_limit_state_of_the_index():
