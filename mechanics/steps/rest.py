@@ -62,7 +62,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         if last:
             last = _over(last, before.system, now.system)
         shorter = time > tolerances.first
-        # what the last imbalance does not lead to is another solution
+        # with the geometry that changes, what the last imbalance does not lead to is another solution
         led = max(force * time**2, STEP.slow * model.size)
         near = tolerances.faster * led if shorter else tolerances.jump * now.size
         found = _step_from_rest(replace(now, mass=mass), at, last, near, shorter)
@@ -124,7 +124,7 @@ def _step_from_rest(
 
     The program contains the change of the last forces with the geometry. Without it blocks follow a slow motion at a
     fraction of its speed and would seem to come to rest. Where it has no stable solution nearby the step is too long:
-    None if it can be `shorter`; else its geometry is held. `near` (m): how far a step may lead.
+    None if it can be `shorter`; else its geometry is held. `near` (m): how far one with it may lead.
     """
     system, size = problem.system, problem.system.model.size
     program, index = problem.pose(at, None if last is None else last.forces)
