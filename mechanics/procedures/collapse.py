@@ -16,9 +16,7 @@ from mechanics.model.contacts import Contacts
 from mechanics.steps.static_system import StaticSystem
 from mechanics.types import Array, Mask
 
-TURNED = (
-    1.0  # rad from the drawing, half of it in the motion: a block that has turned so far does not come back
-)
+TURNED = 1.0  # rad from the drawing, half of it in the motion: so far turned, a block does not come back
 THROUGH = 0.01  # of a block's area: an overlap that is none
 
 
@@ -51,9 +49,8 @@ def _turned(model: Assembly, begun: Array, x: Array) -> Array:
 
 def far(model: Assembly, begun: Array, x: Array, control: ControlPoint | None) -> Mask:
     """Return which positions (…, b, 3) are far enough from where a motion has `begun` (b, 3) to be a collapse."""
-    found: Mask = (_turned(model, begun, x).max(axis=-1) > TURNED) | (
-        abs(x - begun).max(axis=(-2, -1)) > model.block_size.min()
-    )
+    turned = _turned(model, begun, x).max(axis=-1) > TURNED
+    found: Mask = turned | (abs(x - begun).max(axis=(-2, -1)) > model.block_size.min())
     if control is not None and control.ultimate is not None:
         found |= abs(control.displacement(model, begun, x)) > control.ultimate
     return found

@@ -312,7 +312,7 @@ class _Path:
         if moving.system.rigid:
             onset = LIMIT.onset * min(increment, self.model.size)
             guess = moving.moved(begun.state.positions, onset)
-            with suppress(RunawayError):  # what falls at once does so in the first step too
+            with suppress(RunawayError):  # whether the path ends there the first step decides
                 begun = self.led.reach(guess, moving.lever * onset, True).step
         self.reactions = [reaction(begun, self.index)[:2]]
         self.certificates = [self.led.last.certificate, begun.certificate]

@@ -25,7 +25,7 @@ LINES = {
     "mechanics": 935,
     "mechanics/kernels": 3507,
     "mechanics/model": 2992,
-    "mechanics/procedures": 3600,
+    "mechanics/procedures": 3597,
     "mechanics/records": 996,
     "mechanics/solvers": 923,
     "mechanics/steps": 1781,
