@@ -268,4 +268,4 @@ class Settlement(RigidMovement):
     """`settlement`: the movement that leads to the state."""
 
     increment_m: float = key("increment of the largest component")
-    after: str | None = optional("state in which it begins; missing: as drawn")
+    after: str | None = optional("state in which it begins; missing: as drawn", "Dopo|After")

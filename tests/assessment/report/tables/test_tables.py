@@ -79,6 +79,16 @@ def test_a_layer_overrides_the_default_material():
     assert (found["PIERS"], found["ARCH"]) == (0.4, 0.6)
 
 
+def test_a_movement_that_begins_after_another_one_says_so():
+    """The report stopped at a column without a label."""
+    results = results_example("en")
+    results["states"]["back"] = results["states"][SETTLED] | {
+        "settlement": results["states"][SETTLED]["settlement"] | {"after": SETTLED}
+    }
+    printed = printed_tables(typed(results), Words.of("en"))["settlements"]
+    assert dict(zip(printed.head, printed.rows[1], strict=True))["After"] == SETTLED
+
+
 def test_deviation_of_the_hand_check():
     assert hand_check(typed(results_example())).rows[0]["deviation"] == pytest.approx(4e-4)
 
