@@ -16,12 +16,17 @@ from mechanics.types import Array
 @looped
 def motion(p: Array, i: int, j: int, x: Array) -> tuple[float, float, float]:
     """Changes of u, φ and v of a joint at a place p (PLACE,) that displacements x (m,) of its blocks cause."""
-    ax, az, ta, bx, bz, tb = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    if i >= 0:
-        ax, az, ta = x[i], x[i + 1], x[i + 2]
-    if j >= 0:
-        bx, bz, tb = x[j], x[j + 1], x[j + 2]
+    ax, az, ta = _of_block(i, x)
+    bx, bz, tb = _of_block(j, x)
     return moved_by(p, ax, az, ta, bx, bz, tb)
+
+
+@inlined
+def _of_block(i: int, x: Array) -> tuple[float, float, float]:
+    """x, z and ω of a block whose first row is i, zero of a support."""
+    if i < 0:
+        return 0.0, 0.0, 0.0
+    return x[i], x[i + 1], x[i + 2]
 
 
 @looped
@@ -88,6 +93,7 @@ def stiffen(k: int, p: Array, i: int, j: int, d: Any, stored: Array, pattern: An
 
 @inlined
 def _own(own: Array, step: int, xx: float, zx: float, tx: float, zz: float, tz: float, tt: float) -> None:
+    """Add to the lower triangle of the rows of one block, by columns."""
     own[0], own[1], own[2] = own[0] + xx, own[1] + zx, own[2] + tx
     own[step + 1], own[step + 2] = own[step + 1] + zz, own[step + 2] + tz
     own[2 * step + 2] += tt
@@ -97,21 +103,9 @@ def _own(own: Array, step: int, xx: float, zx: float, tx: float, zz: float, tz: 
 def bend(k: int, i: int, j: int, c: Array, stored: Array, pattern: Any) -> None:
     """Take the geometric stiffness of joint k off the matrix; c (CURVED,) as in joint.curvature."""
     if i >= 0:
-        at, step = pattern.own[i // 3], pattern.step[i // 3]
-        stored[at] -= c[7]
-        stored[at + 1] -= c[8]
-        stored[at + step + 1] -= c[9]
-        stored[at + 2] -= c[0]
-        stored[at + step + 2] -= c[1]
-        stored[at + 2 * step + 2] -= c[4]
+        _own(stored[pattern.own[i // 3] :], pattern.step[i // 3], -c[7], -c[8], -c[0], -c[9], -c[1], -c[4])
     if j >= 0:
-        at, step = pattern.own[j // 3], pattern.step[j // 3]
-        stored[at] -= c[7]
-        stored[at + 1] -= c[8]
-        stored[at + step + 1] -= c[9]
-        stored[at + 2] += c[2]
-        stored[at + step + 2] += c[3]
-        stored[at + 2 * step + 2] -= c[6]
+        _own(stored[pattern.own[j // 3] :], pattern.step[j // 3], -c[7], -c[8], c[2], -c[9], c[3], -c[6])
     if i >= 0 and j >= 0:
         at, step = pattern.between[k], pattern.stride[k]
         stored[at] += c[7]
@@ -134,11 +128,8 @@ def bend(k: int, i: int, j: int, c: Array, stored: Array, pattern: Any) -> None:
 @looped
 def turn(c: Array, i: int, j: int, x: Array, total: Array) -> None:
     """Add to `total` (m,) what the forces of a joint change as its blocks move by x (m,); c (CURVED,): curvature."""
-    ax, az, ta, bx, bz, tb = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    if i >= 0:
-        ax, az, ta = x[i], x[i + 1], x[i + 2]
-    if j >= 0:
-        bx, bz, tb = x[j], x[j + 1], x[j + 2]
+    ax, az, ta = _of_block(i, x)
+    bx, bz, tb = _of_block(j, x)
     dx, dz = ax - bx, az - bz
     fx, fz = c[0] * ta + c[2] * tb + c[7] * dx + c[8] * dz, c[1] * ta + c[3] * tb + c[8] * dx + c[9] * dz
     if i >= 0:

@@ -13,6 +13,7 @@ from mechanics.model.contacts import (
     relative_motion,
 )
 from mechanics.model.drawing import METRES, Drawing, Layer, Sheet, of_block, read_drawing, survey_drawing
+from mechanics.model.dxf import dxf_bytes, reproducible
 from mechanics.model.layout import NEAR, survey_layout
 from mechanics.model.polylines import PlacedOutline
 from mechanics.model.repair import Repair, repair_drawing
@@ -20,6 +21,7 @@ from mechanics.model.repair import Repair, repair_drawing
 __all__ = [
     "METRES", "NEAR", "NX", "NZ", "Assembly", "Behaviour", "Block", "Contacts", "Direction", "Drawing",
     "FaceLines", "H", "Layer", "Material", "PlacedOutline", "Repair", "Sheet", "State", "Tie", "V",
-    "connected", "default_tolerance", "end_gaps", "end_points", "face_lines", "kinematic_contacts", "of_block",
-    "read_drawing", "relative_motion", "repair_drawing", "survey_drawing", "survey_layout",
+    "connected", "default_tolerance", "dxf_bytes", "end_gaps", "end_points", "face_lines", "kinematic_contacts",
+    "of_block", "read_drawing", "relative_motion", "repair_drawing", "reproducible", "survey_drawing",
+    "survey_layout",
 ]  # fmt: skip

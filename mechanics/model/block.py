@@ -108,8 +108,7 @@ class Block:
     def centroid(self) -> Array:
         """Centroid (2,), m."""
         origin = self.polygon[0]
-        p, q = self.polygon - origin, np.roll(self.polygon, -1, axis=0) - origin
-        cross = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
+        p, q, cross = _edges_from(self.polygon, origin)
         return origin + ((p + q) * cross[:, None]).sum(axis=0) / (6.0 * self.area)
 
     @cached_property
@@ -121,9 +120,7 @@ class Block:
     @cached_property
     def inertia(self) -> float:
         """Polar moment of inertia of the stone about the centroid, Mg·m² (a load is a point mass there)."""
-        p = self.polygon - self.centroid
-        q = np.roll(p, -1, axis=0)
-        cross = p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
+        p, q, cross = _edges_from(self.polygon, self.centroid)
         second_moment = float((cross * ((p * p).sum(1) + (p * q).sum(1) + (q * q).sum(1))).sum()) / 12.0
         return self.material.unit_weight / GRAVITY * self.depth * second_moment
 
@@ -134,9 +131,14 @@ class Block:
 
 
 def _signed_area(v: Array) -> float:
-    p = v - v[0]
+    return 0.5 * float(_edges_from(v, v[0])[2].sum())
+
+
+def _edges_from(v: Array, origin: Array) -> tuple[Array, Array, Array]:
+    """Return start and end (n, 2) of the edges of a polygon as seen from a point, and their cross products (n,)."""
+    p = v - origin
     q = np.roll(p, -1, axis=0)
-    return 0.5 * float((p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]).sum())
+    return p, q, p[:, 0] * q[:, 1] - q[:, 0] * p[:, 1]
 
 
 @dataclass(frozen=True, eq=False)

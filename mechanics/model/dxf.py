@@ -7,6 +7,7 @@ import re
 import struct
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO, StringIO
 from pathlib import Path
@@ -108,14 +109,20 @@ def open_document(path: Path) -> tuple[Document, list[Message]]:
     return document, warnings
 
 
-def dxf_bytes(document: Document) -> bytes:
-    """Return a document that was read as a DXF text file, without times and random identifiers: the same each time."""
+@contextmanager
+def reproducible() -> Iterator[None]:
+    """Documents made or written within the context have no times and no random identifiers: the same each time."""
     before, options.write_fixed_meta_data_for_testing = options.write_fixed_meta_data_for_testing, True
     try:
-        text = StringIO()
-        document.write(text)
+        yield
     finally:
         options.write_fixed_meta_data_for_testing = before
+
+
+def dxf_bytes(document: Document) -> bytes:
+    """Return a document as a DXF text file."""
+    text = StringIO()
+    document.write(text)
     return text.getvalue().encode(document.output_encoding, errors="dxfreplace")
 
 

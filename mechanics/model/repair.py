@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from mechanics.errors import DrawingError, FaultyDrawingError
 from mechanics.model.block import Block, default_tolerance, following, preceding, ring_edges
 from mechanics.model.drawing import Layer, Sheet
-from mechanics.model.dxf import SAME_POINT, can_change, dxf_bytes
+from mechanics.model.dxf import SAME_POINT, can_change, dxf_bytes, reproducible
 from mechanics.model.layout import NEAR, misfits, name_of, place_of, survey_layout, touching
 from mechanics.model.polylines import SHARE, PlacedOutline, ends_major_arc, file_points, redraw, without_loops
 from mechanics.types import Array, Index, Mask
@@ -58,7 +58,8 @@ def repair_drawing(
                     break
     except FaultyDrawingError as faulty:
         raise FaultyDrawingError(str(path), faulty.faults, sheet.drawing.outlines) from None
-    return Repair(dxf_bytes(sheet.document), (*sheet.damage, *changes) if changes else ())
+    with reproducible():
+        return Repair(dxf_bytes(sheet.document), (*sheet.damage, *changes) if changes else ())
 
 
 def _outlines(sheet: Sheet) -> Iterator[str]:

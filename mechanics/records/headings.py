@@ -76,12 +76,11 @@ class HeadingError(RecordError):
 
 @dataclass(frozen=True)
 class Column:
-    """What a column holds: `size` of its unit in g or s; `stated`: whether the heading names the unit."""
+    """What a column holds: `size` of its unit in g or s."""
 
     quantity: Quantity
     unit: str
     size: float
-    stated: bool = True
 
 
 def unit(text: str) -> Column | None:
@@ -140,7 +139,7 @@ def column(label: str) -> Column:
         raise HeadingError(f"the heading {label.strip()!r} names no quantity")
     quantity: Quantity = next(iter(quantities), "acceleration" if words else "count")
     bare: dict[Quantity, tuple[str, float]] = {"time": ("s", 1.0), "acceleration": ("g", 1.0)}
-    return Column(quantity, *bare.get(quantity, ("", 0.0)), stated=False)
+    return Column(quantity, *bare.get(quantity, ("", 0.0)))
 
 
 def labels(heading: str, count: int, separator: str | None) -> list[str]:

@@ -17,9 +17,9 @@ from scipy import sparse
 from scipy.optimize import OptimizeResult, linprog
 
 from mechanics.errors import ArgumentError
-from mechanics.kernels.joint import PHI, H, U, V
+from mechanics.kernels.joint import H, V
 from mechanics.kernels.law import FRICTION, SLID
-from mechanics.model.contacts import rows
+from mechanics.model.contacts import end_gaps, rows
 from mechanics.program import LARGEST_MULTIPLIER, Program
 from mechanics.solvers.qp_piqp import Answer, StandardForm, sparse_solver
 from mechanics.types import Array, Mask
@@ -170,6 +170,5 @@ def _gaps_and_slips(program: Program) -> tuple[sparse.csr_matrix, Array]:
     column = np.broadcast_to(program.dof[:, None, :], entries.shape)[moving]
     line = np.broadcast_to(np.arange(3 * len(row)).reshape(-1, 3, 1), entries.shape)[moving]
     change = sparse.csr_matrix((entries[moving], (line, column)), (3 * len(row), len(program.load)))
-    turn = half * places[:, PHI]
-    begun = np.stack([places[:, U] - turn, places[:, U] + turn, places[:, V] - program.law[:, SLID]], axis=1)
+    begun = np.column_stack([end_gaps(places), places[:, V] - program.law[:, SLID]])
     return change, begun.ravel()

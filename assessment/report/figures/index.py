@@ -1,6 +1,5 @@
 """Which figures a set of results has, in the order of the report, and writing them; deformed shapes as DXF."""
 
-import io
 from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
@@ -8,6 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
+from ezdxf import units
+from ezdxf.filemanagement import new
 from matplotlib.figure import Figure
 
 from assessment.report.figures import curves, deformed, motions
@@ -25,6 +26,7 @@ from assessment.results.schema import Configuration, Results, StateResults, know
 from assessment.results.summary import worst_settled
 from assessment.runtime.files import write_atomically
 from assessment.runtime.pool import Pool, result_of
+from mechanics.model import dxf_bytes, reproducible
 from mechanics.pictures import Shape
 
 T = TypeVar("T")
@@ -180,14 +182,8 @@ def write_deformed(results: Results, path: Path) -> None:
     Layers are DRAWN and NUMBER_STATE_WHAT, the state numbered and named as in the names of the figures. True scale, but
     for mechanisms, whose virtual displacements have none. The same bytes for the same results.
     """
-    from ezdxf import units  # late: reports alone need it
-    from ezdxf._options import options
-    from ezdxf.filemanagement import new
-
-    before = options.write_fixed_meta_data_for_testing
-    options.write_fixed_meta_data_for_testing = True  # no times and no random identifiers
-    try:
-        drawing, text = new("R2010"), io.StringIO()
+    with reproducible():
+        drawing = new("R2010")
         drawing.units = units.M
         space, size = drawing.modelspace(), outlines(results).size
         for number, (layer, shape, ties) in enumerate(shapes(results)):
@@ -214,10 +210,8 @@ def write_deformed(results: Results, path: Path) -> None:
                     space.add_line(start, end, dxfattribs={"layer": layer})
         for kind in sorted(drawing.entitydb.dxf_types_in_use()):  # ezdxf leaves their order to chance
             drawing.classes.add_class(kind)
-        drawing.write(text)
-    finally:
-        options.write_fixed_meta_data_for_testing = before
-    write_atomically(path, text.getvalue().encode(drawing.output_encoding))
+        written = dxf_bytes(drawing)
+    write_atomically(path, written)
 
 
 def shapes(results: Results) -> Iterator[tuple[str, Shape, Collection[Any]]]:
