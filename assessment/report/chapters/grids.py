@@ -20,8 +20,7 @@ from assessment.report.tables import TABLES, dynamic, mechanisms, structure, stu
 from assessment.report.tables import capacity as checked
 from assessment.report.tables.cracks import reported_cracks, survey_table
 from assessment.results import hand_check
-from assessment.results.schema import QUANTITIES, Results, present
-from assessment.results.schema.model import Line
+from assessment.results.schema import QUANTITIES, Line, Results, present
 from assessment.results.summary import index_limit, index_of, least_row, printed, undetermined
 from assessment.results.table import Row, Table, cells, reference_of
 

@@ -4,10 +4,7 @@ from collections.abc import Iterator
 
 from assessment.ntc.tables import EXCEEDANCE, LINEAR, USE_COEFFICIENT, return_period
 from assessment.report.tables import Curves, Found, capacities, curves, table
-from assessment.results.schema import Results
-from assessment.results.schema.checks import Capacity, Count, Direction, GivenMechanism
-from assessment.results.schema.model import Line
-from assessment.results.schema.part import present
+from assessment.results.schema import Capacity, Count, Direction, GivenMechanism, Line, Results, present
 from assessment.results.summary import checks_asked, determined_indices, undetermined
 from assessment.results.table import ORIGINAL, Row, cells, reduction
 
