@@ -8,7 +8,7 @@ from typing import Any, Generic, TypeVar
 from assessment.project.project import Project
 from assessment.project.schema import SettlementTable
 from assessment.results.schema import WORST, Part, Quality, QualityRow, finite
-from mechanics.messages import Message
+from mechanics.messages import Message, headed
 
 Value = TypeVar("Value")
 Kind = TypeVar("Kind", bound=Part)
@@ -28,6 +28,14 @@ class Found(Generic[Value]):
     quality: list[QualityRow] = field(default_factory=list)
     seconds: float = 0.0
     scatters: bool = False
+
+    def warn(self, title: str, *texts: Message) -> None:
+        """Add warnings about what has that title."""
+        self.warnings += [headed(title, text) for text in texts]
+
+    def fail(self, title: str, reason: Message) -> None:
+        """Add why what has that title has no value."""
+        self.failures.append(headed(title, reason))
 
 
 def as_part(kind: type[Kind], *found: object, **more: Any) -> Kind:

@@ -307,7 +307,7 @@ class HistoryStudy:
             return found
         if self.finest < max(self.members):
             reason = linked(_failures(self.members[self.finest + 1].values()))
-            found.warnings.append(headed(title, message("a finer time step fails: {reason}", reason=reason)))
+            found.warn(title, message("a finer time step fails: {reason}", reason=reason))
         row = self.refinement.row(self.task.state, self.task.motion.name, tolerance)
         found.convergence = row.replace(halvings=self.finest)
         found.warnings += self.refinement.missed(title, tolerance)

@@ -21,7 +21,7 @@ from assessment.results.joint_states import Met
 from assessment.results.schema import finite, known, static
 from assessment.results.table import sense
 from mechanics import procedures
-from mechanics.messages import Message, headed, message
+from mechanics.messages import Message, message
 from mechanics.model import Behaviour, Direction
 from mechanics.steps import Sliding
 
@@ -46,8 +46,8 @@ def rigid_push(control: ControlTable, path: procedures.Pushover) -> static.Rigid
         d_0_m=float(path.displacement[-1]) if path.reached_zero or path.lost else None,
         local_loss=paths.local_loss(model, path.states, path.displacement, frames.normal_forces(path), path.lost),
         curve=_curve(path), d_star_m=_way_of_blocks(path, mechanism), mechanism=mechanism,
-        virtual_work_alpha=finite(by_work), mechanism_configuration=paths.configuration(model, at),
-        final_configuration=paths.configuration(model, path.states[-1]),
+        virtual_work_alpha=finite(by_work), mechanism_configuration=model.displaced(at).tolist(),
+        final_configuration=model.displaced(path.states[-1]).tolist(),
         frames=frames.pushover_frames(model, path, met),
     )  # fmt: skip
     if path.formed:
@@ -73,8 +73,8 @@ def elastic_push(path: procedures.Pushover) -> static.ElasticPush:
         static.ElasticPush, path, alpha_u=path.alpha_0,
         d_u_m=float(path.displacement[path.peak]), curve=_curve(path),
         alpha_y=yields[1] if yields else None, d_y_m=yields[0] if yields else None,
-        rest_configuration=paths.configuration(model, path.states[0]),
-        peak_configuration=paths.configuration(model, path.states[path.peak]),
+        rest_configuration=model.displaced(path.states[0]).tolist(),
+        peak_configuration=model.displaced(path.states[path.peak]).tolist(),
         frames=frames.pushover_frames(model, path, Met(model)),
     )  # fmt: skip
     ties = frames.along_path(path, path.peak, rigid=False)
@@ -220,7 +220,7 @@ def push(
                 reason = message(
                     "the mechanism of the first motion is not found: {reason}", reason=error.message
                 )
-                found.failures.append(headed(title, reason))
+                found.fail(title, reason)
         path = followed[1] if followed and image is None else None
         found.quality.append(paths.quality_row(name, f"pushover, {behaviour}", path))
         found.seconds = time.perf_counter() - began
@@ -246,15 +246,14 @@ def _path(
         except mechanics.ControlError:
             path = follow()
     except (*NO_ANSWER, mechanics.ControlError) as error:
-        found.failures.append(headed(title, error.message))
+        found.fail(title, error.message)
         return None
     x, z = path.control.tolist()
     other = ControlTable(name=f"({x:.4g}, {z:.4g}) m", point_m=(x, z))
-    reason = message(
+    found.warn(title, message(
         'control point "{name}" takes no part: that of block {block} at {point} is followed, which goes farthest along '
         "the push", name=control.name, block=path.block, point=other.name,
-    )  # fmt: skip
-    found.warnings.append(headed(title, reason))
+    ))  # fmt: skip
     return other, path
 
 
@@ -262,31 +261,29 @@ def add_curve(
     title: str, setting: PushSetting, control: ControlTable, path: procedures.Pushover, found: Found[Pushed]
 ) -> None:
     """Add a curve to what is found, and the warnings about it; `title` begins each of them."""
-    found.warnings += paths.crossings(title, path.crossed, setting.increment) + paths.lifts(title, path)
+    found.warn(title, *paths.crossings(path.crossed, setting.increment), *paths.lifts(path))
     found.scatters = paths.turns_on_rounding(path)
     rigid = setting.behaviour == "rigid"
     curves = static.Pushovers(control=control.name, control_m=list(control.point_m))
     if rigid:
         curve = rigid_push(control, path)
         found.value = Pushed(curves.replace(rigid=curve), path.states[path.peak])
-        found.warnings += [headed(title, note) for note in _rigid_notes(curve, path)]
+        found.warn(title, *_rigid_notes(curve, path))
     else:
         found.value = Pushed(curves.replace(elastic=elastic_push(path)))
     beyond = path.multiplier[path.peak :].max()
     if beyond > (1.0 + DIFFERS) * path.alpha_0:
-        exceeded = message(
+        found.warn(title, message(
             "under more than α = {alpha:.4g} held the structure falls; what the curve has beyond, up to {beyond:.4g}, "
-            "is not used",
-            alpha=path.alpha_0, beyond=float(beyond),
-        )  # fmt: skip
-        found.warnings.append(headed(title, exceeded))
+            "is not used", alpha=path.alpha_0, beyond=float(beyond),
+        ))  # fmt: skip
     # of an elastic curve the part up to its peak is used, of a rigid one the whole
     if not path.reached_zero and (rigid or path.multiplier[-1] > 0.5 * path.multiplier.max()):
-        end = message(
-            "ends at d = {displacement:.4g} m, α = {multiplier:.4g}: {reason}",
-            displacement=float(path.displacement[-1]), multiplier=float(path.multiplier[-1]), reason=path.end,
-        )  # fmt: skip
-        found.warnings.append(headed(title, end))
+        d, alpha = float(path.displacement[-1]), float(path.multiplier[-1])
+        found.warn(title, message(
+            "ends at d = {displacement:.4g} m, α = {multiplier:.4g}: {reason}", displacement=d, multiplier=alpha,
+            reason=path.end,
+        ))  # fmt: skip
 
 
 def _rigid_notes(curve: static.RigidPush, path: procedures.Pushover) -> Iterator[Message]:
@@ -339,12 +336,11 @@ def rests_or_moves(model: mechanics.Assembly, name: str, start: mechanics.State)
             rests = mechanics.limit_analysis(model, direction, start, "associative").alpha
             found.value = max(known(found.value), rests / max(moves, LEAST))
             if rests > RESTS_OR_MOVES * moves:
-                note = message(
+                found.warn(name, message(
                     "{direction}: under α from {moves:.3g} to {rests:.3g} rigid joints may rest, wedged by friction, "
                     "or move: motions with rigid joints may be too small; run them with elastic joints too",
                     direction=direction, moves=moves, rests=rests,
-                )  # fmt: skip
-                found.warnings.append(headed(name, note))
+                ))  # fmt: skip
     return found
 
 
@@ -363,24 +359,20 @@ def second_solver(
     try:
         linear = procedures.static_theorem(model, direction, activated)
         if linear is None:
-            note = message("the linear program of limit analysis has no optimum by HiGHS")
-            found.warnings.append(headed(title, note))
+            found.warn(title, message("the linear program of limit analysis has no optimum by HiGHS"))
         own = procedures.limit_in(model, direction, activated, "associative").alpha
     except mechanics.ArgumentError:
         return found
     except (mechanics.NoEquilibriumError, mechanics.ConvergenceError) as error:
-        note = message("limit analysis where α0 is reached: {reason}", reason=error.message)
-        found.warnings.append(headed(title, note))
+        found.warn(title, message("limit analysis where α0 is reached: {reason}", reason=error.message))
     difference = None
     if own is not None and linear is not None:
         difference = (linear - own) / max(abs(own), LEAST)
         if abs(difference) > AGREE:
-            note = message(
+            found.warn(title, message(
                 "limit analysis where α0 is reached gives α = {own:.8g}, a linear program written apart (HiGHS) "
-                "{linear:.8g}: relative difference {difference:.2g}", own=own, linear=linear,
-                difference=difference,
-            )  # fmt: skip
-            found.warnings.append(headed(title, note))
+                "{linear:.8g}: relative difference {difference:.2g}", own=own, linear=linear, difference=difference,
+            ))  # fmt: skip
     found.value = static.SecondSolver(
         alpha_0=alpha_0, alpha_program=own, alpha_linear_program=linear, relative_difference=difference
     )

@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from functools import reduce
 
 import numpy as np
-from numpy.typing import NDArray
 
 import mechanics
 from assessment.analyses.found import Found
 from assessment.project.schema import ControlTable, SettlementTable
 from assessment.results.frames import along_path, normal_forces, pushdown_frames
 from assessment.results.schema import LocalLoss, PushdownPath, QualityRow, known
-from mechanics.messages import Message, headed, message
+from mechanics.messages import Message, message
 from mechanics.model import Behaviour, H
 from mechanics.procedures import PATH, Pushdown, Pushover, settled, whole_movement
 from mechanics.program import Certificate
@@ -42,15 +41,13 @@ def quality_row(state: str, stage: str, path: Pushdown | Pushover | None) -> Qua
     )  # fmt: skip
 
 
-def lifts(title: str, path: Pushdown | Pushover) -> list[Message]:
-    """Return a warning if points of a path were solved with a dilation."""
-    if not path.lifting:
-        return []
-    text = message(
-        "Coulomb's law was not solved at {count} of {points} points: what slides lifts there; try a smaller increment",
-        count=path.lifting, points=len(path.states),
-    )  # fmt: skip
-    return [headed(title, text)]
+def lifts(path: Pushdown | Pushover) -> Iterator[Message]:
+    """Yield a warning if points of a path were solved with a dilation."""
+    if path.lifting:
+        yield message(
+            "Coulomb's law was not solved at {count} of {points} points: what slides lifts there; try a smaller "
+            "increment", count=path.lifting, points=len(path.states),
+        )  # fmt: skip
 
 
 def stand(model: mechanics.Assembly) -> Message | None:
@@ -88,8 +85,8 @@ def turns_on_rounding(path: Pushdown | Pushover) -> bool:
     return False
 
 
-def crossings(title: str, crossed: NDArray[np.float64], increment: float) -> list[Message]:
-    """Return a warning for each stretch (n, 2) m, 1/32 `increment` or longer, in which a part moves by itself."""
+def crossings(crossed: Array, increment: float) -> Iterator[Message]:
+    """Yield a warning for each stretch (n, 2) m, 1/32 `increment` or longer, in which a part moves by itself."""
     stretches: list[list[float]] = []
     for left, held in np.sort(crossed, axis=1):
         if held - left < 0.99 * PATH.shortest(increment):
@@ -98,17 +95,11 @@ def crossings(title: str, crossed: NDArray[np.float64], increment: float) -> lis
             stretches[-1][1] = max(held, stretches[-1][1])
         else:
             stretches.append([left, held])
-    told = (
-        message("between d = {start:.4g} and {end:.4g} m a part moves by itself, until others hold it again",
-                start=left, end=held) for left, held in stretches
-    )  # fmt: skip
-    return [headed(title, text) for text in told]
-
-
-def configuration(model: mechanics.Assembly, state: mechanics.State) -> list[list[float]]:
-    """Return displacements (m) and rotations (rad) (b, 3) of the blocks from the drawing."""
-    moved: NDArray[np.float64] = state.positions - model.initial.positions
-    return moved.tolist()
+    for left, held in stretches:
+        yield message(
+            "between d = {start:.4g} and {end:.4g} m a part moves by itself, until others hold it again",
+            start=left, end=held,
+        )  # fmt: skip
 
 
 def local_loss(
@@ -225,23 +216,25 @@ def settle(
         )  # fmt: skip
         reached = path.final
     except mechanics.CollapseError as collapse:
-        found.failures.append(headed(title, collapse.message))
+        found.fail(title, collapse.message)
         assert isinstance(collapse.path, Pushdown)
         path = collapse.path
     except (mechanics.UnstableError, mechanics.ConvergenceError, mechanics.NoEquilibriumError) as error:
-        found.failures.append(headed(title, error.message))
+        found.fail(title, error.message)
     if path is not None:
         moved = _pushdown_path(path, whole, behaviour, control)
         found.value = Settled(moved, reached)
         if settlement.to_collapse and path.ultimate is None:
-            none = message("no ultimate movement up to {reached:.3g} m ({reason})", reached=float(path.movement[-1]),
-                           reason=path.end)  # fmt: skip
-            found.warnings.append(headed(title, none))
-        found.warnings += crossings(title, path.crossed, increment) + lifts(title, path)
+            far = float(path.movement[-1])
+            none = message(
+                "no ultimate movement up to {reached:.3g} m ({reason})", reached=far, reason=path.end
+            )
+            found.warn(title, none)
+        found.warn(title, *crossings(path.crossed, increment), *lifts(path))
         found.scatters = turns_on_rounding(path)
         found.quality.append(quality_row(settlement.name, f"pushdown, {behaviour}", path))
         if moved.local_loss is not None:
-            found.warnings.append(headed(title, loss_sentence(moved.local_loss)))
+            found.warn(title, loss_sentence(moved.local_loss))
     found.seconds = time.perf_counter() - began
     return found
 
@@ -291,8 +284,8 @@ def _pushdown_path(
     found = PushdownPath(
         sliding=path.sliding, movement_m=path.movement.tolist(), reaction_x_kN=path.reaction[:, 0].tolist(),
         reaction_z_kN=path.reaction[:, 1].tolist(), ultimate_movement_m=path.ultimate, local_loss=lost,
-        applied_movement_m=whole, end=path.end, configuration=configuration(model, path.final),
-        ultimate_configuration=configuration(model, path.states[-1]) if falls else None,
+        applied_movement_m=whole, end=path.end, configuration=model.displaced(path.final).tolist(),
+        ultimate_configuration=model.displaced(path.states[-1]).tolist() if falls else None,
         control_displacement_m=along, frames=pushdown_frames(model, path, whole),
     )  # fmt: skip
     asked = int(np.argmin(abs(path.movement - whole)))

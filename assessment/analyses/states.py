@@ -9,7 +9,7 @@ from typing import Any, Self
 
 from assessment.analyses.found import Found, joined
 from assessment.analyses.lateral import Pushed, PushSetting, push, pushover_title
-from assessment.analyses.paths import Settled, configuration, not_back, path_title, rest_as_drawn, settle
+from assessment.analyses.paths import Settled, not_back, path_title, rest_as_drawn, settle
 from assessment.project.model import StateModel
 from assessment.project.project import Project
 from assessment.project.schema import ControlTable, SettlementTable
@@ -96,23 +96,26 @@ class Beginning:
 class StateResult:
     """One state under one behaviour: its movement and its curves by direction, each with what is to be told of it.
 
-    `model`: what is pushed; `from_drawing`: as drawn. `reached`: the settled state, at rest; None where the structure
-    collapses before; `configuration`: its displacements from the drawing. `member`: its number in the ensemble of the
+    `begun`: what is pushed, and from where; None where the structure collapses before, or finds no rest.
+    `configuration`: displacements of the settled state from the drawing. `member`: its number in the ensemble of the
     state. `scatters`: whether a path amplifies the last digits of its input.
     """
 
     state: str
     behaviour: Behaviour
-    model: Assembly | None = None
+    begun: Beginning | None = None
     moved: Found[Settled] | None = None
     pushed: dict[Direction, Found[Pushed]] = field(default_factory=dict)
-    reached: State | None = None
     configuration: Configuration | None = None
-    from_drawing: bool = False
     member: int = 1
     scatters: bool = False
     own_failures: list[Message] = field(default_factory=list)
     coarser_seconds: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def reached(self) -> State | None:
+        """The settled state, at rest; None as drawn, and where it was not reached."""
+        return self.begun.state if self.begun else None
 
     @property
     def pushdown(self) -> PushdownPath | None:
@@ -341,8 +344,7 @@ def _together(request: Request, begun: Beginning) -> list[tuple[Direction, ...]]
 
 def _result(request: Request, settled: Found[Settled] | None, begun: Beginning | None) -> StateResult:
     """Return the result of a request without curves; the movement before a strengthening is of the state before."""
-    model = begun.model if begun else request.model.assembly
-    result = StateResult(request.state, request.behaviour, model, member=request.member)
+    result = StateResult(request.state, request.behaviour, begun, member=request.member)
     if settled is not None:
         result.scatters = settled.scatters
         if not request.strengthens:
@@ -355,8 +357,6 @@ def _result(request: Request, settled: Found[Settled] | None, begun: Beginning |
             title = path_title(request.state, request.behaviour)
             missing = message("the state that it strengthens was not reached")
             result.own_failures.append(headed(title, missing))
-    if begun is not None:
-        result.from_drawing, result.reached = begun.state is None, begun.state
-        if begun.state is not None and settled is not None:
-            result.configuration = configuration(begun.model, begun.state)
+    if begun is not None and begun.state is not None and settled is not None:
+        result.configuration = begun.model.displaced(begun.state).tolist()
     return result

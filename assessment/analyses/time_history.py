@@ -373,9 +373,10 @@ def starts_of(
     }
     for stage in stages:
         if stage.state != ORIGINAL:
-            model = stage.model or models[stage.state].assembly
-            as_drawn = model.initial if stage.from_drawing else None
-            starts[stage.state, stage.behaviour] = model, stage.reached or as_drawn or why_not_reached(stage)
+            place = stage.state, stage.behaviour
+            starts[place] = models[stage.state].assembly, why_not_reached(stage)
+            if begun := stage.begun:
+                starts[place] = begun.model, begun.state or begun.model.initial
     return starts
 
 

@@ -24,6 +24,7 @@ KEPT = re.compile(
     r"|(?<=kN)/(?=m)|(?<=\[m)/(?=s)"
 )
 NO_BREAK, WORD_JOINER = "\u00a0", "\u2060"
+PLACE = ("state", "direction", "contacts")  # where a quantity is of
 NOTHING_M = 1e-6  # m; displacements below it are rounding
 Label = TypeVar("Label", str, Markup)
 SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
@@ -65,17 +66,12 @@ class Words:
 
     def field(self, name: str, value: object) -> str:
         """Write a value for a field of that name: states, directions and contacts as they are called, else `show`."""
-        if isinstance(value, str) and name == "state":
-            return self.state(value)
-        if isinstance(value, str) and name == "direction":
-            return direction_name(value)
-        if isinstance(value, str) and name == "contacts":
-            return self.name("value", value)
-        return self.show(value)
+        of_place = isinstance(value, str) and name in PLACE
+        return WRITERS[name](value, self) if of_place else self.show(value)
 
     def at(self, *place: str | None) -> str:
         """Write a place: state, direction, contacts, as far as they are given."""
-        named = zip(("state", "direction", "contacts"), place, strict=False)
+        named = zip(PLACE, place, strict=False)
         return ", ".join(self.field(name, value) for name, value in named if value)
 
     def _shown(self, values: Mapping[str, object]) -> dict[str, Any]:

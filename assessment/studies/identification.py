@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import gammaincc
 
 from assessment.analyses.found import as_part
-from assessment.analyses.paths import configuration, quality_row
+from assessment.analyses.paths import quality_row
 from assessment.project.masonry import Gauge, gauges, readings
 from assessment.project.project import Project
 from assessment.project.schema import MeasurementTable
@@ -173,7 +173,7 @@ def follow(
     if not moved:
         start = model.initial
         shown = readings(model, gauges, start.positions)
-        return Followed(np.zeros(1), shown[None, :], configuration=configuration(model, start))
+        return Followed(np.zeros(1), shown[None, :], configuration=model.displaced(start).tolist())
     whole = max(whole_movement(model, each.support, each.displacement, each.rotation) for each in moved)
     reached, path, stopped = False, None, None
     try:
@@ -187,7 +187,7 @@ def follow(
         states = [*path.states[:-1], path.final if reached else path.states[-1]]
         found.share = path.movement / whole
         found.shown = np.array([readings(model, gauges, state.positions) for state in states])
-        found.configuration = configuration(model, path.final) if reached else None
+        found.configuration = model.displaced(path.final).tolist() if reached else None
         found.quality.append(quality_row("", "identification", path))
     found.seconds = time.perf_counter() - began
     return found

@@ -236,7 +236,13 @@ def _add_capacities(draft: Draft, converged: Converged, ensembles: Ensembles) ->
 def _add_second_solver(draft: Draft, reported: Iterable[Governed]) -> None:
     """Add to every rigid curve the multiplier of limit analysis by a second program."""
     found = [
-        (known(stage.model), stage.state, direction, pushed.activated, rigid.curve.multiplier[rigid.peak])
+        (
+            known(stage.begun).model,
+            stage.state,
+            direction,
+            pushed.activated,
+            rigid.curve.multiplier[rigid.peak],
+        )
         for each in reported
         for direction, run in each.runs.items()
         for stage in run

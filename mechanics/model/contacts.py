@@ -6,9 +6,10 @@ edges that meet in the corner: a joint like any other, whose overlap, gap and to
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import shapely
@@ -77,17 +78,18 @@ class Contacts:
 
     def take(self, index: Index) -> Contacts:
         """Return the contacts `index` (k,)."""
-        arrays = {f.name: getattr(self, f.name)[index] for f in fields(self) if f.name != "tolerance"}
-        return Contacts(**arrays, tolerance=self.tolerance)
+        return replace(self, **{name: array[index] for name, array in self._arrays})
 
     def joined(self, more: Contacts) -> Contacts:
         """Return these contacts followed by others."""
-        arrays = {
-            f.name: np.concatenate([getattr(self, f.name), getattr(more, f.name)])
-            for f in fields(self)
-            if f.name != "tolerance"
+        whole: dict[str, Any] = {
+            name: np.concatenate([array, getattr(more, name)]) for name, array in self._arrays
         }
-        return Contacts(**arrays, tolerance=self.tolerance)
+        return replace(self, **whole)
+
+    @property
+    def _arrays(self) -> Iterator[tuple[str, Any]]:
+        return ((f.name, getattr(self, f.name)) for f in fields(self) if f.name != "tolerance")
 
     def places(self, positions: Array) -> Array:
         """Return the geometry (j, PLACE) of the contacts at block positions (b, 3): see kernels.joint."""

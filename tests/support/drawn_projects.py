@@ -6,8 +6,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from mechanics import Assembly, Material, read_drawing
-from mechanics.model.drawing import Layer
+from mechanics import Assembly, Layer, Material, read_drawing
 from tests import ROOT
 
 FOLDER = ROOT / "projects"

@@ -50,14 +50,10 @@ class MaterialTable(ProjectTable):
         "normal stiffness of a joint per unit area, kN/m³; needed by elastic analyses only"
     )
     tangential_stiffness_kN_m3: kinds.Rigidity = entry(
-        "tangential stiffness of a joint per unit area, kN/m³; inf (default): rigid in shear",
-        math.inf,
-        json_schema_extra=kinds.without_default,
+        "tangential stiffness of a joint per unit area, kN/m³; inf (default): rigid in shear", math.inf
     )
     compressive_strength_kN_m2: kinds.Strength = entry(
-        "compressive strength of a joint, kN/m²; inf (default): no crushing",
-        math.inf,
-        json_schema_extra=kinds.without_default,
+        "compressive strength of a joint, kN/m²; inf (default): no crushing", math.inf
     )
 
 
@@ -248,8 +244,9 @@ class TieTable(ProjectTable):
     to_m: kinds.Pair = entry("x and z, m, of the other end, in or on another block")
     yield_force_kN: kinds.Yield = entry(
         "force, kN, at which it lengthens without bearing more: of bar, anchorage or masonry under the "
-        "plate, the least; inf (default): none", math.inf, json_schema_extra=kinds.without_default,
-    )  # fmt: skip
+        "plate, the least; inf (default): none",
+        math.inf,
+    )
     stiffness_kN_m: kinds.BarStiffness | None = absent(
         "stiffness E A / L of the whole tie, kN/m; absent: rigid"
     )

@@ -88,12 +88,6 @@ def _stiff_or_rigid(stiffness: float) -> float:
     return stiffness
 
 
-def without_default(schema: dict[str, Any]) -> None:
-    """Leave an infinite default out of the JSON schema: JSON has no infinity."""
-    if schema.get("default") == math.inf:
-        del schema["default"]
-
-
 # Bounds so wide that only a slip lies outside, so narrow that no arithmetic overflows.
 Length = Annotated[float, Field(ge=1e-6, le=1e5)]  # m
 Step = Annotated[float, Field(ge=1e-7, le=1e3)]  # m, of a movement
@@ -154,9 +148,11 @@ Levels = Annotated[tuple[Acceleration, ...], ENTRIES, AfterValidator(unique)]
 Periods = Annotated[tuple[Period, Period], Field(strict=False)]
 
 
-def entry(meaning: str, default: Any = ..., **more: Any) -> Any:
+def entry(meaning: str, default: Any = ...) -> Any:
     """A key of a table with what it means, for the user: required, or with a default."""
-    return Field(default, description=meaning, **more)
+    # JSON has no infinity: its schema leaves such a default out
+    untold: Any = (lambda schema: schema.pop("default")) if default == math.inf else None
+    return Field(default, description=meaning, json_schema_extra=untold)
 
 
 def absent(meaning: str, **more: Any) -> Any:
