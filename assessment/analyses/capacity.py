@@ -70,14 +70,6 @@ def told(assessed: Mapping[Direction, Found[Assessed]]) -> list[Message]:
     ]
 
 
-def other_mechanism(work: float, alpha: float) -> Message:
-    """Return that virtual work gives another multiplier than the curve."""
-    return message(
-        "virtual work on the mechanism gives α = {work:.3g}, the curve {alpha:.3g}: blocks "
-        "slide or move by themselves there, and e*, Γ* are not those of a mechanism", work=work, alpha=alpha,
-    )  # fmt: skip
-
-
 def towards(direction: str, text: str) -> Message:
     """Return a note on a direction."""
     return message("{direction}: {text}", direction=direction, text=text)
@@ -96,7 +88,10 @@ def _sound(project: Project, curves: Pushovers) -> RigidPush:
     # no finite multiplier is a contradiction too: the horizontal load does no work on the mechanism
     alpha, work = rigid.mechanism.alpha, math.inf if (w := rigid.virtual_work_alpha) is None else w
     if abs(work - alpha) > CONTRADICTION * abs(alpha):
-        raise CapacityError(other_mechanism(work, alpha))
+        raise CapacityError(message(
+            "virtual work on the mechanism gives α = {work:.3g}, the curve {alpha:.3g}: blocks "
+            "slide or move by themselves there, and e*, Γ* are not those of a mechanism", work=work, alpha=alpha,
+        ))  # fmt: skip
     loss, way = rigid.local_loss, np.array(rigid.curve.displacement_m[: rigid.peak + 1])
     if loss is not None and abs(way).max() >= loss.displacement_m:
         raise CapacityError(message(

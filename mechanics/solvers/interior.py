@@ -88,7 +88,8 @@ def starts(program: Program, layout: Elimination) -> Iterator[Iterate]:
     """
     yield cold(program)
     if (program.law[:, DILATION] < 1.0).any():
-        yield near_lifting(program, layout)
+        lifting = with_dilation(program, 1.0)
+        yield run(lifting, layout, cold(lifting), ROUGH)[0].warm(program)
 
 
 def with_dilation(program: Program, psi: float) -> Program:
@@ -96,12 +97,6 @@ def with_dilation(program: Program, psi: float) -> Program:
     law = program.law.copy()
     law[:, DILATION] = psi
     return replace(program, law=law)
-
-
-def near_lifting(program: Program, layout: Elimination) -> Iterate:
-    """Return the iterate near a rough solution of the program by the associative law."""
-    lifting = with_dilation(program, 1.0)
-    return run(lifting, layout, cold(lifting), ROUGH)[0].warm(program)
 
 
 def run(

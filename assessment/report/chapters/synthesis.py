@@ -10,18 +10,9 @@ from assessment.report.chapters.remarks import few_records
 from assessment.report.language import Words, direction_name, indexed, label, written
 from assessment.report.tables.mechanisms import mechanism_name
 from assessment.report.tables.structure import bounded, edge_pressures
+from assessment.results import summary
 from assessment.results.hand_check import governing_view, rigid_push
 from assessment.results.schema import Results, SummaryCheck, SummaryRow, known, present
-from assessment.results.summary import (
-    apart,
-    coulomb,
-    index_limit,
-    index_of,
-    least_row,
-    rows_of,
-    settled,
-    worst_settled,
-)
 from assessment.results.table import ORIGINAL, Row, Table
 
 QUALITY_ANNEX = "D"  # of the report: where warnings are listed
@@ -32,7 +23,7 @@ def lead(results: Results, words: Words) -> list[Markup]:
     """Return the answer in sentences: the index of each kind of state, its loss, whether it is verified."""
     if not results.model.self_weight_stable:
         return [words("judgement.unstable")]
-    worst, limit = worst_settled(results) or ORIGINAL, index_limit(results)
+    worst, limit = summary.worst_settled(results) or ORIGINAL, summary.index_limit(results)
     sentences = [_of_state(results, worst, words)]
     sentences += [
         _strengthened(results, name, words) for name, state in results.states.items() if state.strengthening
@@ -41,12 +32,12 @@ def lead(results: Results, words: Words) -> list[Markup]:
     where = [
         words("synthesis.open_at", state=row.state, direction=row.direction or "")
         for row in results.summary.rows
-        if row.checks and limit and row.reached and index_of(row, limit) is None
+        if row.checks and limit and row.reached and summary.index_of(row, limit) is None
     ]
     if where:
         sentences.append(words("synthesis.open", where=Markup("; ").join(where), annex=QUALITY_ANNEX))
     # the dynamic capacity beside the static one on the same reference, and what the motions lose of it
-    row = least_row(results, worst) or next(iter(rows_of(results, worst)), None)
+    row = summary.least_row(results, worst) or next(iter(summary.rows_of(results, worst)), None)
     if row is not None and (dynamic := row.dynamic_pga_g) is not None:
         static = row.static_nominal_pga_g
         key = f"synthesis.dynamic{'' if static is None else '_static'}"
@@ -64,12 +55,12 @@ def lead(results: Results, words: Words) -> list[Markup]:
 
 def _of_state(results: Results, name: str, words: Words) -> Markup:
     """Return a sentence on the original or the worst settled state: its index, and what it was before."""
-    row, limit = least_row(results, name), index_limit(results)
-    if any(not each.reached for each in rows_of(results, name)):
+    row, limit = summary.least_row(results, name), summary.index_limit(results)
+    if any(not each.reached for each in summary.rows_of(results, name)):
         return words("synthesis.collapses", state=name)
     if row is None:
-        return Markup("") if rows_of(results, name) else words("synthesis.nothing")
-    check = index_of(row, limit)
+        return Markup("") if summary.rows_of(results, name) else words("synthesis.nothing")
+    check = summary.index_of(row, limit)
     quantity = "zeta_E" if check else "alpha_u" if row.alpha_0 is None else "alpha_0"
     value = check.zeta_E if check else getattr(row, quantity)
     loss, distinct = (
@@ -78,17 +69,17 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
     outcome = _outcome(results, name, words) if check else ""
     where = [_kind(check, words), limit if check else "", direction_name(row.direction or "")]
     rows = [at for at in results.summary.rows if at.direction]
-    lacking = [at for at in rows if (index_of(at, limit) if check else getattr(at, quantity)) is None]
+    lacking = [at for at in rows if (summary.index_of(at, limit) if check else getattr(at, quantity)) is None]
     ways = ", ".join(direction_name(known(at.direction)) for at in lacking if at.state == name)
     where += [words.plain("synthesis.open_ways", directions=ways)] if ways else []
     symbol, shown = indexed(label(quantity, words)), written(quantity, value, words)
     place = {"symbol": symbol, "value": shown, "where": ", ".join(filter(None, where)), "outcome": outcome}
     if name == ORIGINAL:
         return words("synthesis.original", **place)
-    worst = "known" if {at.state for at in lacking} & set(settled(results)) else "worst"
-    key = "current" if len(settled(results)) == 1 else worst
-    said = words(f"synthesis.{key}", state=name, count=len(settled(results)), **place)
-    drawn = {each.direction: index_of(each, limit) for each in rows_of(results, ORIGINAL)}
+    worst = "known" if {at.state for at in lacking} & set(summary.settled(results)) else "worst"
+    key = "current" if len(summary.settled(results)) == 1 else worst
+    said = words(f"synthesis.{key}", state=name, count=len(summary.settled(results)), **place)
+    drawn = {each.direction: summary.index_of(each, limit) for each in summary.rows_of(results, ORIGINAL)}
     if loss is not None and value is not None and loss < 1.0:
         before = written(quantity, value / (1.0 - loss), words)
         kind = "indistinct" if distinct is False else "loss" if loss >= 0.0 else "gain"
@@ -105,12 +96,12 @@ def _kind(check: SummaryCheck | None, words: Words) -> str:
 
 def _outcome(results: Results, name: str, words: Words) -> str:
     """Return whether a state is verified in every direction, as a sentence; where the index is, what is not."""
-    rows = rows_of(results, name)
+    rows = summary.rows_of(results, name)
     counting = [
         {limit: row.checks[limit] for limit in INDEXED if limit in row.checks} or row.checks for row in rows
     ]
     failing = [x for x in INDEXED if any(x in each and each[x].verified is False for each in counting)]
-    if failing and index_limit(results) not in failing:
+    if failing and summary.index_limit(results) not in failing:
         return words.plain("synthesis.not_verified_at", limits=", ".join(failing))
     verified = [row.verified for row in rows]
     if False in verified:
@@ -130,10 +121,12 @@ def _strengthened(results: Results, name: str, words: Words) -> Markup:
 
     Where the structure is now weakest in another direction, the index there is given too.
     """
-    limit = index_limit(results)
-    before = least_row(results, known(results.states[name].strengthening).of)
-    row = next((row for row in rows_of(results, name) if before and row.direction == before.direction), None)
-    was, check = (index_of(each, limit) if each else None for each in (before, row))
+    limit = summary.index_limit(results)
+    before = summary.least_row(results, known(results.states[name].strengthening).of)
+    row = next(
+        (row for row in summary.rows_of(results, name) if before and row.direction == before.direction), None
+    )
+    was, check = (summary.index_of(each, limit) if each else None for each in (before, row))
     if row is None or was is None or check is None:
         return Markup("")
 
@@ -143,12 +136,14 @@ def _strengthened(results: Results, name: str, words: Words) -> Markup:
     if check.gain is None:  # one index is of a linear check, one is not
         key = "synthesis.strengthened_by"
     else:
-        key = "synthesis.strengthened" if apart(was, check, "zeta_E") else "synthesis.strengthened_same"
+        key = (
+            "synthesis.strengthened" if summary.apart(was, check, "zeta_E") else "synthesis.strengthened_same"
+        )
     numbers = {"before": was.zeta_E, "after": check.zeta_E, "gain": check.gain}
     kinds = {"kind": _kind(check, words), "kind_before": _kind(was, words)}
-    least, now_least = known(least_row(results, name)), Markup("")
+    least, now_least = known(summary.least_row(results, name)), Markup("")
     if least is not row:
-        ratio = known(index_of(least, limit)).zeta_E
+        ratio = known(summary.index_of(least, limit)).zeta_E
         now_least = words("synthesis.strengthened_least", least=ratio, where=where(least))
     outcome = _outcome(results, name, words)
     return words(key, state=name, where=where(row), outcome=outcome, least=now_least, **numbers, **kinds)
@@ -159,7 +154,7 @@ def synthesis_grid(results: Results, words: Words) -> Grid | None:
     rows = [row for row in results.summary.rows if row.direction or row.dynamic_pga_g is not None]
     if not rows:
         return None
-    first = index_limit(results)
+    first = summary.index_limit(results)
     limits = list(dict.fromkeys([*filter(None, [first]), *(limit for row in rows for limit in row.checks)]))
     listed = [name for name in LISTED if any(getattr(row, name) is not None for row in rows)]
     if "alpha_0" in listed and "alpha_u" in listed:
@@ -222,11 +217,11 @@ def governing_mechanism(results: Results, words: Words) -> Markup:
 
 def basis(results: Results, words: Words) -> Iterator[Markup]:
     """Yield what the result rests on: friction, knowledge, hazard, ranges, crushing, and what is warned of."""
-    limit = index_limit(results) or ""
+    limit = summary.index_limit(results) or ""
     # the law of friction, and the index by the other one where it differs by more than 2 %
     found = {joint.friction for joint in results.geometry.joints if joint.friction is not None}
     mu = "–".join(words.number(each, 2) for each in sorted({min(found), max(found)})) if found else "∞"
-    law = "coulomb" if coulomb(results.echo) else "associative"
+    law = "coulomb" if summary.coulomb(results.echo) else "associative"
     others = [
         words("synthesis.other_at", zeta=ratio, state=row.state, direction=row.direction or "")
         for row in results.summary.rows
@@ -279,14 +274,14 @@ def reference_life(results: Results, words: Words) -> Markup:
         return Markup("")
     figures = {"V_N": life, "C_U": USE_COEFFICIENT[use], "V_R": life * USE_COEFFICIENT[use]}
     shown = {name: words.comma(f"{value:g}") for name, value in figures.items()}
-    shown["T_R"] = words.rounded(return_period(limit := index_limit(results) or "SLV", life, use), 0)
+    shown["T_R"] = words.rounded(return_period(limit := summary.index_limit(results) or "SLV", life, use), 0)
     return words("synthesis.life", use_class=use, limit=limit, **shown)
 
 
 def _range(results: Results, words: Words) -> Markup:
     """Return the range of the governing index, without one of α0, where an ensemble was run, else that none was."""
     least = results.summary.governing
-    row = least_row(results, least.state if least else worst_settled(results) or ORIGINAL)
+    row = summary.least_row(results, least.state if least else summary.worst_settled(results) or ORIGINAL)
     check = row.checks.get(least.limit_state) if row and least else None
     if check and check.zeta_E_range:
         low, high = check.zeta_E_range
