@@ -25,7 +25,7 @@ from assessment.results.schema import Results, StateResults
 from assessment.results.schema.checks import Direction
 from assessment.results.schema.dynamic import Campaign
 from assessment.results.schema.model import QualityRow
-from assessment.results.schema.part import known, present
+from assessment.results.schema.part import present
 from assessment.results.schema.static import Pushovers
 from assessment.results.schema.studies import ConvergenceRow, Identification, Scenarios, Sensitivity
 from assessment.results.summary import summary_of, without
@@ -236,17 +236,11 @@ def _add_capacities(draft: Draft, converged: Converged, ensembles: Ensembles) ->
 def _add_second_solver(draft: Draft, reported: Iterable[Governed]) -> None:
     """Add to every rigid curve the multiplier of limit analysis by a second program."""
     found = [
-        (
-            known(stage.begun).model,
-            stage.state,
-            direction,
-            pushed.activated,
-            rigid.curve.multiplier[rigid.peak],
-        )
+        (begun.model, stage.state, direction, pushed.activated, rigid.curve.multiplier[rigid.peak])
         for each in reported
         for direction, run in each.runs.items()
         for stage in run
-        if direction in stage.pushed and (pushed := stage.pushed[direction].value)
+        if (begun := stage.begun) and direction in stage.pushed and (pushed := stage.pushed[direction].value)
         if pushed.activated is not None and (rigid := pushed.curves.rigid)
     ]
     titles = [f"{name}, limit analysis {direction}" for _, name, direction, *_ in found]
