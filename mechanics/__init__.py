@@ -18,8 +18,8 @@ if TYPE_CHECKING:
         UnstableError,
     )
     from mechanics.model.assembly import Assembly, State
-    from mechanics.model.block import Block, Layer, Material, Tie
-    from mechanics.model.drawing import read_drawing
+    from mechanics.model.block import Block, Material, Tie
+    from mechanics.model.drawing import Layer, read_drawing
     from mechanics.procedures.following import Following
     from mechanics.procedures.limit_analysis import Limit, limit_analysis
     from mechanics.procedures.pushdown import Pushdown, pushdown
@@ -31,8 +31,8 @@ _NAMES = {  # by the module that has them
     "errors": "ArgumentError CollapseError ControlError ConvergenceError DrawingError MechanicsError "
     "NoEquilibriumError RecordError UnstableError",
     "model.assembly": "Assembly State",
-    "model.block": "Block Layer Material Tie",
-    "model.drawing": "read_drawing",
+    "model.block": "Block Material Tie",
+    "model.drawing": "Layer read_drawing",
     "procedures.following": "Following",
     "procedures.limit_analysis": "Limit limit_analysis",
     "procedures.pushdown": "Pushdown pushdown",

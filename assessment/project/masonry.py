@@ -17,7 +17,7 @@ from assessment.project.schema import BondTable, LayerTable, MechanismTable
 from assessment.runtime.errors import ProjectError, nearest
 from mechanics import ArgumentError, Assembly, Block, Material
 from mechanics.messages import layer_key
-from mechanics.model import Drawing, Layer, V, end_gaps, role_of
+from mechanics.model import Drawing, Layer, V, end_gaps, of_block
 from mechanics.types import Array
 
 MOST_BLOCKS = 10_000  # that a bond makes of one outline
@@ -51,7 +51,7 @@ def as_built(project: Project, drawing: Drawing) -> Drawing:
         if not name:
             blocks.append(block)
         elif not table.ignore:
-            blocks.append(replace(block, **role_of(layer_of(project, table)), region=name))
+            blocks.append(replace(block, **of_block(layer_of(project, table)), region=name))
     for key, region in zip(keys, project.region, strict=True):
         if not region.ignore and all(block.region != region.name for block in blocks):
             text = "no block has its centroid in it, or a later region has it too; correct its corners, in m"

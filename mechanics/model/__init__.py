@@ -2,7 +2,7 @@
 
 from mechanics.kernels.joint import NX, NZ, H, V
 from mechanics.model.assembly import Assembly, Behaviour, Direction, State
-from mechanics.model.block import Block, Layer, Material, Tie, connected, default_tolerance, role_of
+from mechanics.model.block import Block, Material, Tie, connected, default_tolerance
 from mechanics.model.contacts import (
     Contacts,
     FaceLines,
@@ -12,7 +12,7 @@ from mechanics.model.contacts import (
     kinematic_contacts,
     relative_motion,
 )
-from mechanics.model.drawing import METRES, Drawing, Sheet, read_drawing, survey_drawing
+from mechanics.model.drawing import METRES, Drawing, Layer, Sheet, of_block, read_drawing, survey_drawing
 from mechanics.model.dxf import dxf_bytes, reproducible
 from mechanics.model.layout import NEAR, survey_layout
 from mechanics.model.polylines import PlacedOutline
@@ -22,6 +22,6 @@ __all__ = [
     "METRES", "NEAR", "NX", "NZ", "Assembly", "Behaviour", "Block", "Contacts", "Direction", "Drawing",
     "FaceLines", "H", "Layer", "Material", "PlacedOutline", "Repair", "Sheet", "State", "Tie", "V",
     "connected", "default_tolerance", "dxf_bytes", "end_gaps", "end_points", "face_lines", "kinematic_contacts",
-    "read_drawing", "relative_motion", "repair_drawing", "reproducible", "role_of", "survey_drawing",
+    "of_block", "read_drawing", "relative_motion", "repair_drawing", "reproducible", "survey_drawing",
     "survey_layout",
 ]  # fmt: skip

@@ -172,12 +172,11 @@ class Assembly:
     @cached_property
     def tie_blocks(self) -> Index:
         """The two blocks (t, 2) of each tie. Raises ArgumentError for an end that is in no block."""
-        ends = [
-            (tie.name, key, point)
+        found = [
+            self.block_at(point, f'{key} of tie "{tie.name}"')
             for tie in self.ties
             for key, point in zip(("start", "end"), tie.points, strict=True)
         ]
-        found = [self.block_at(point, f'{key} of tie "{name}"') for name, key, point in ends]
         return np.array(found, dtype=np.intp).reshape(len(self.ties), 2)
 
     @property
@@ -330,8 +329,7 @@ class Assembly:
 
     def support(self, name: str) -> Index:
         """Return the blocks of a support. Raises ArgumentError, with the known names, for another name."""
-        named = [i for i, b in enumerate(self.blocks) if b.support is not None and b.support == name]
-        index = np.array(named, dtype=np.intp)
+        index = np.flatnonzero([b.support is not None and b.support == name for b in self.blocks])
         known = sorted({b.support for b in self.blocks if b.support})
         require(len(index) > 0, "support", name, f"one of {', '.join(known) or '(the model has no support)'}")
         return index

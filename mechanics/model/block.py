@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import shapely
@@ -129,24 +128,6 @@ class Block:
     def weight(self) -> float:
         """Vertical force, kN: own weight and load."""
         return self.material.unit_weight * self.area * self.depth + self.vertical_load
-
-
-@dataclass(frozen=True, slots=True)
-class Layer:
-    """What the blocks of one drawing layer are; the fields are those of Block. `ignore`: nothing on it is read."""
-
-    material: Material
-    depth: float
-    support: str | None = None
-    vertical_load: float = 0.0
-    load_has_mass: bool = True
-    segments: int | None = None
-    ignore: bool = False
-
-
-def role_of(what: Layer | Block) -> dict[str, Any]:
-    """Return all that a block is but for its place, or that a layer says of its blocks, by the fields of Block."""
-    return {field.name: getattr(what, field.name) for field in fields(Layer) if field.name != "ignore"}
 
 
 def _signed_area(v: Array) -> float:

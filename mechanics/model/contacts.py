@@ -6,7 +6,7 @@ edges that meet in the corner: a joint like any other, whose overlap, gap and to
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
@@ -78,18 +78,15 @@ class Contacts:
 
     def take(self, index: Index) -> Contacts:
         """Return the contacts `index` (k,)."""
-        return replace(self, **{name: array[index] for name, array in self._arrays})
+        return self._with(lambda name: getattr(self, name)[index])
 
     def joined(self, more: Contacts) -> Contacts:
         """Return these contacts followed by others."""
-        whole: dict[str, Any] = {
-            name: np.concatenate([array, getattr(more, name)]) for name, array in self._arrays
-        }
-        return replace(self, **whole)
+        return self._with(lambda name: np.concatenate([getattr(self, name), getattr(more, name)]))
 
-    @property
-    def _arrays(self) -> Iterator[tuple[str, Any]]:
-        return ((f.name, getattr(self, f.name)) for f in fields(self) if f.name != "tolerance")
+    def _with(self, array: Callable[[str], Any]) -> Contacts:
+        """Return contacts of the same tolerance with the arrays of these names."""
+        return replace(self, **{f.name: array(f.name) for f in fields(self) if f.name != "tolerance"})
 
     def places(self, positions: Array) -> Array:
         """Return the geometry (j, PLACE) of the contacts at block positions (b, 3): see kernels.joint."""

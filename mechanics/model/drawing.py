@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
@@ -21,7 +21,7 @@ from scipy.spatial import cKDTree
 
 from mechanics.errors import DrawingError, Fault, FaultyDrawingError, Outline, listed, require
 from mechanics.messages import Message, headed, layer_key, message, visible
-from mechanics.model.block import Block, Layer, default_tolerance, role_of
+from mechanics.model.block import Block, Material, default_tolerance
 from mechanics.model.dxf import Placed, covered, open_document, placed_entities
 from mechanics.model.layout import NEAR
 from mechanics.model.polylines import (
@@ -39,11 +39,24 @@ INSUNITS = {"mm": units.MM, "cm": units.CM, "m": units.M}
 METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0}
 CRACK_LAYERS = {"fessure", "cracks"}  # by `layer_key`: what was surveyed, no blocks
 LINES = {"LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE"}  # that draw cracks
-# beside polylines: a POLYLINE is here a mesh, an INSERT an external reference
-SHAPES = LINES | {"MLINE", "SOLID", "TRACE", "3DFACE", "REGION", "BODY", "HATCH", "MPOLYGON"}
-SHAPES |= {"3DSOLID", "SURFACE", "MESH", "INSERT"}
 CHORD = 1e-3  # m: of a curved crack from its chords
 UNEVEN = 1e-6  # m: heights out of the drawing's plane of which there is a warning
+# beside polylines; a POLYLINE is here a mesh, an INSERT an external reference
+SHAPES = LINES | {"MLINE", "SOLID", "TRACE", "3DFACE", "REGION", "BODY", "HATCH", "MPOLYGON"}
+SHAPES |= {"3DSOLID", "SURFACE", "MESH", "INSERT"}
+
+
+@dataclass(frozen=True, slots=True)
+class Layer:
+    """What the blocks of one drawing layer are; the fields are those of Block. `ignore`: nothing on it is read."""
+
+    material: Material
+    depth: float
+    support: str | None = None
+    vertical_load: float = 0.0
+    load_has_mass: bool = True
+    segments: int | None = None
+    ignore: bool = False
 
 
 @dataclass(frozen=True)
@@ -74,6 +87,11 @@ class Drawing(Sequence[Block]):
     def __getitem__(self, index: int | slice) -> Block | tuple[Block, ...]:
         """Return a block by its number, or some."""
         return self.blocks[index]
+
+
+def of_block(layer: Layer) -> dict[str, Any]:
+    """Return what a layer says of its blocks, by the fields of Block."""
+    return {field.name: getattr(layer, field.name) for field in fields(layer) if field.name != "ignore"}
 
 
 def read_drawing(
@@ -269,7 +287,7 @@ class Sheet:
         """Return the block of an outline."""
         layer, source = self.layer(outline), outline.source
         points = self.scale * outline.points[:, :2]
-        return Block(points, **role_of(layer), layer=source.layer, handle=source.handle)
+        return Block(points, **of_block(layer), layer=source.layer, handle=source.handle)
 
     @cached_property
     def drawing(self) -> Drawing:

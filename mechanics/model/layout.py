@@ -13,16 +13,7 @@ import shapely
 
 from mechanics.errors import Fault, FaultyDrawingError, listed
 from mechanics.messages import Message, message
-from mechanics.model.block import (
-    Block,
-    Joints,
-    Polygons,
-    connected,
-    find_joints,
-    polygons_of,
-    ring_edges,
-    role_of,
-)
+from mechanics.model.block import Block, Joints, Polygons, connected, find_joints, polygons_of, ring_edges
 from mechanics.model.dxf import can_change
 from mechanics.model.polylines import SAGITTA
 from mechanics.types import Array, Index, Mask
@@ -348,11 +339,18 @@ def _copies(
             f"{name_of(blocks, i)} and {others}{more} are the same outline drawn {times}, "
             f"at {place_of(where[0])}; keep one"
         )
-        same = [j for j in found if role_of(blocks[j]) == role_of(blocks[i])]
+        same = [j for j in found if _role(blocks[j]) == _role(blocks[i])]
         gone = tuple(handle for j in same if can_change(handle := blocks[j].handle))
         yield Fault(
             "twice", text, where, (blocks[i].polygon,), "delete" if gone else "", (blocks[i].handle, *gone)
         )
+
+
+def _role(block: Block) -> tuple[object, ...]:
+    """Return all that a block is, but for its place."""
+    return (
+        block.material, block.depth, block.support, block.vertical_load, block.load_has_mass, block.segments,
+    )  # fmt: skip
 
 
 def _overlap_faults(

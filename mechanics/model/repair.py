@@ -11,8 +11,8 @@ import shapely
 from scipy.spatial import cKDTree
 
 from mechanics.errors import DrawingError, FaultyDrawingError
-from mechanics.model.block import Block, Layer, default_tolerance, following, preceding, ring_edges
-from mechanics.model.drawing import Sheet
+from mechanics.model.block import Block, default_tolerance, following, preceding, ring_edges
+from mechanics.model.drawing import Layer, Sheet
 from mechanics.model.dxf import SAME_POINT, can_change, dxf_bytes, reproducible
 from mechanics.model.layout import NEAR, misfits, name_of, place_of, survey_layout, touching
 from mechanics.model.polylines import SHARE, PlacedOutline, ends_major_arc, file_points, redraw, without_loops

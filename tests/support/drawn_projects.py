@@ -6,7 +6,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from mechanics import Assembly, Layer, Material, read_drawing
+from mechanics import Assembly, Material, read_drawing
+from mechanics.model.drawing import Layer
 from tests import ROOT
 
 FOLDER = ROOT / "projects"

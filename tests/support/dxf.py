@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 from ezdxf.filemanagement import new
 
-from mechanics import Layer, read_drawing
 from mechanics.errors import DrawingError
 from mechanics.model.block import Material
+from mechanics.model.drawing import Layer, read_drawing
 
 STONE = Layer(Material(18.0), depth=1.0)
 

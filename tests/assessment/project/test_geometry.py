@@ -14,7 +14,8 @@ from assessment.project.catalogue.geometry import THINNEST, Layout, Ring
 from assessment.project.catalogue.new_project import TEMPLATES, made, new_project
 from assessment.project.project import load_project
 from assessment.runtime.errors import ProjectError
-from mechanics import Layer, Material, read_drawing
+from mechanics import Material, read_drawing
+from mechanics.model.drawing import Layer
 from tests import ROOT
 from tests.support.template_assembly import template_assembly
 

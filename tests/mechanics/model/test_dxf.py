@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics import Layer
 from mechanics.model.block import Material, default_tolerance, find_joints, polygons_of
+from mechanics.model.drawing import Layer
 from mechanics.model.layout import find_overlaps
 from tests.support.dxf import SQUARE, STONE, drawing, outline, read, refused
 

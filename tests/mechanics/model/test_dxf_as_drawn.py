@@ -10,8 +10,8 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics import Layer
 from mechanics.model import default_tolerance, read_drawing, repair_drawing, survey_drawing, survey_layout
+from mechanics.model.drawing import Layer
 from mechanics.model.layout import touching
 from tests.support.dxf import SQUARE, STONE, drawing, outline, read, refused
 

@@ -13,9 +13,10 @@ from ezdxf.filemanagement import readfile
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mechanics import Assembly, Layer
+from mechanics import Assembly
 from mechanics.errors import DrawingError
 from mechanics.model import default_tolerance, read_drawing, repair_drawing, survey_layout
+from mechanics.model.drawing import Layer
 from mechanics.model.layout import NEAR
 from tests.support.dxf import SQUARE, STONE, drawing, outline
 
@@ -110,7 +111,7 @@ def test_a_repaired_file_is_the_same_in_every_process(tmp_path):
     text = (tmp_path / "geometry.dxf").read_text().replace("AC1009", "AC1012", 1)
     (tmp_path / "geometry.dxf").write_text(text)
     script = (
-        "import hashlib, sys; from mechanics.model import *; from mechanics import Layer;"
+        "import hashlib, sys; from mechanics.model import *; from mechanics.model.drawing import Layer;"
         "repair = repair_drawing(sys.argv[1], 'mm', Layer(Material(18.0), 1.0));"
         "print(len(repair.changes), hashlib.sha256(repair.file).hexdigest())"
     )
