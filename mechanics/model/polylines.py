@@ -24,7 +24,6 @@ SPLINE_FRAME = 16  # flag of a vertex that controls a spline-fitted polyline but
 FARTHEST = 1e7  # m from the origin: beyond it rounding is no longer small beside a joint's tolerance
 SMALLEST = 1e-6  # m: the width or height of an outline
 MOST_BULGE = 1e4  # an arc that is a full circle but for a ten-thousandth of its radius
-MOST_CHORDS = 10_000  # of one arc
 MOST_POINTS = 1_000_000  # of all outlines
 MOST_VERTICES = 20_000  # of one outline: where they all are at one height the work grows with their square
 FLAT = 0.01  # of an outline's size: less out of the drawing's plane changes no length by more than 5e-5
@@ -89,12 +88,9 @@ def placed_outline(source: Placed, scale: float, sagitta: float | None) -> Place
     stretch = float(np.linalg.norm(to_model[:3, :3], 2))
     allowed = None if sagitta is None else sagitta / max(scale * stretch, 1e-99)
     counts, worst = _divisions(vertices, closed, allowed) if bulges.any() else (np.ones(len(vertices)), 0.0)
-    if counts.max() > MOST_CHORDS:
-        text = f"has an arc of {counts.max():.3g} chords, at most {MOST_CHORDS}, with sagitta_m = {sagitta:g}"
-        return broken(f"{text}; write a larger one")
     if counts.sum() > MOST_VERTICES:
         text = f"has {counts.sum():.6g} vertices with its arcs, at most {MOST_VERTICES}"
-        return broken(f"{text}; simplify it, or freeze its layer if it is no block")
+        return broken(f"{text}; simplify it, write a larger sagitta_m, or freeze its layer if it is no block")
     points = _chords(vertices, counts.astype(np.intp)) @ to_model[:3, :3] + to_model[3, :3]
     same = SAME_POINT * float(np.ptp(points, axis=0).max())
     closed = closed or (len(points) > 2 and bool(np.linalg.norm(points[0] - points[-1]) <= same))
