@@ -31,7 +31,7 @@ from mechanics import Assembly
 from mechanics.messages import Message, SaidError, message
 from mechanics.model import Contacts, H, end_gaps, end_points, relative_motion
 from mechanics.steps import LIMIT, static_system
-from mechanics.types import Index, Mask
+from mechanics.types import Mask
 
 Array = NDArray[np.float64]
 
@@ -87,11 +87,6 @@ class JointMotion:
         """Return blocks and ends of the closed contacts at `positions` (b, 3)."""
         ends = end_points(self.contacts, positions)
         return self.contacts.a[self.shut], self.contacts.b[self.shut], ends[self.shut]
-
-    @property
-    def sliding(self) -> Index:
-        """Indices of the contacts that slide against friction."""
-        return np.flatnonzero(self.slides)
 
 
 def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion:
@@ -171,7 +166,7 @@ def evaluate(
             method = replace(method, local_limits=limits, local_reason=breaks)
 
     met = Met(model)
-    sliding = met.numbers(motion.contacts, motion.slides)[motion.sliding].tolist()
+    sliding = met.numbers(motion.contacts, motion.slides)[motion.slides].tolist()
     notes = []
     if motion.penetration > GIVEN.rounding:
         deep = message(

@@ -48,11 +48,6 @@ class Request:
         return self.model.name
 
     @property
-    def strengthens(self) -> bool:
-        """Whether it is a state that is strengthened after its settlement."""
-        return self.model.strengthened is not None
-
-    @property
     def movement(self) -> "Movement | None":
         """How it settles; requests that settle alike share it. None: as drawn."""
         if self.settlement is None:
@@ -347,7 +342,7 @@ def _result(request: Request, settled: Found[Settled] | None, begun: Beginning |
     result = StateResult(request.state, request.behaviour, begun, member=request.member)
     if settled is not None:
         result.scatters = settled.scatters
-        if not request.strengthens:
+        if request.model.strengthened is None:
             result.moved = settled
             if (moved := settled.value) and request.settlement:
                 increment = moved.path.applied_movement_m / request.settlement.increments

@@ -57,7 +57,7 @@ def commented_toml(content: Mapping[str, Any], marked: Collection[KeyPath] = ())
         lines += _header(path)
         for key, value in plain_values(given).items():
             mark = MARK["en"] if (*path, key) in marked else ""
-            lines.append(_beside(toml_line(key, value), mark + keys_at(path).get(key, "")))
+            lines.append(_beside(_line(key, value), mark + keys_at(path).get(key, "")))
         table = table_at(path)
         if table and table not in explained:
             explained.add(table)
@@ -69,12 +69,14 @@ def commented_toml(content: Mapping[str, Any], marked: Collection[KeyPath] = ())
 
 
 def _header(path: KeyPath, mark: str = "") -> list[str]:
+    """Return the lines that open the table at `path`: an empty one, and its name in brackets."""
     if not path:
         return []
+    name = ".".join(_key(part) for part in path if isinstance(part, str))
+    header = f"[[{name}]]" if isinstance(path[-1], int) else f"[{name}]"
     # an entry of a list
     named = path[:-1] if len(path) > 1 and table_at(path[:-1]) is table_at(path) else path
-    blank, header = toml_header(path)
-    return [blank, _beside(mark + header, keys_at(named[:-1]).get(str(named[-1])))]
+    return ["", _beside(mark + header, keys_at(named[:-1]).get(str(named[-1])))]
 
 
 def _left_out(path: KeyPath, given: Mapping[str, Any]) -> Iterator[str]:
@@ -84,7 +86,7 @@ def _left_out(path: KeyPath, given: Mapping[str, Any]) -> Iterator[str]:
         if key not in given and key not in tables_of(table):
             field = table.model_fields[key]
             known = not field.is_required() and field.default is not None
-            yield _beside(f"# {toml_line(key, field.default) if known else f'{key} = …'}", meaning)
+            yield _beside(f"# {_line(key, field.default) if known else f'{key} = …'}", meaning)
 
 
 def _table_left_out(path: KeyPath) -> Iterator[str]:
@@ -116,14 +118,7 @@ def plain_values(table: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in table.items() if not _is_tables(value)}
 
 
-def toml_header(path: KeyPath) -> list[str]:
-    """Return the lines that open the table at `path`: an empty one and its name in brackets."""
-    name = ".".join(_key(part) for part in path if isinstance(part, str))
-    return ["", f"[[{name}]]" if isinstance(path[-1], int) else f"[{name}]"] if path else []
-
-
-def toml_line(key: str, value: Any) -> str:
-    """Return a key with its value."""
+def _line(key: str, value: Any) -> str:
     return f"{_key(key)} = {inline(value)}"
 
 
@@ -132,7 +127,7 @@ def inline(value: Any) -> str:
     import tomlkit
 
     if isinstance(value, Mapping):
-        return f"{{ {', '.join(f'{_key(key)} = {inline(each)}' for key, each in value.items())} }}"
+        return f"{{ {', '.join(_line(key, each) for key, each in value.items())} }}"
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(inline, value))}]"
     return str(tomlkit.item(value).as_string())

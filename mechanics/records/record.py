@@ -62,11 +62,6 @@ class Record:
         """Return the record with its accelerations multiplied by `factor`."""
         return replace(self, acceleration=factor * self.acceleration)
 
-    def compressed(self, time_factor: float) -> Record:
-        """Return the same accelerations `time_factor` times as fast: √10 for a model at 1:10 (similitude)."""
-        require(is_between(time_factor, 0.0, np.inf), "time_factor", time_factor, "positive")
-        return replace(self, time_step=self.time_step / time_factor)
-
     def windowed(self, start: float, end: float) -> Record:
         """Return the samples from `start` to `end` (s, both included), unchanged; ArgumentError where none are."""
         require(

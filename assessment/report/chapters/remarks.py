@@ -11,7 +11,6 @@ from markupsafe import Markup
 from assessment.ntc.verification import THRUSTING_A_G
 from assessment.report.language import Words, translated
 from assessment.report.tables import capacities, structure
-from assessment.report.tables.capacity import directions
 from assessment.report.tables.cracks import SEEN, cracks_of, surveyed
 from assessment.report.tables.mechanisms import alpha_at_d_0, excesses
 from assessment.results import hand_check, summary
@@ -148,7 +147,8 @@ def pressures(results: Results, words: Words) -> Sentences:
 
 def missing_pushovers(results: Results, words: Words) -> Sentences:
     """Yield a sentence for each state without the pushover that another state has."""
-    for direction in directions(results):
+    pushed = {direction for state in results.states.values() for direction in state.pushover}
+    for direction in sorted(pushed):
         for name, state in results.states.items():
             if direction not in state.pushover:
                 yield words("text.missing_pushover", state=name, direction=direction)

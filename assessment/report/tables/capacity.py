@@ -186,11 +186,6 @@ def trace(results: Results) -> Found:
             yield {"state": state, "direction": direction, "part": part, "inputs": inputs}, step
 
 
-def directions(results: Results) -> list[Direction]:
-    """Return the directions in which any state was pushed."""
-    return sorted({direction for state in results.states.values() for direction in state.pushover})
-
-
 def _indices(results: Results, columns: str) -> Iterator[Row]:
     """Yield the indices of every state; what is not known for want of a return period is left out.
 
