@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from assessment.ntc.capacity_curve import Participation
 from assessment.ntc.tables import Trace, datum, step, worked
 from assessment.project.masonry import Chosen, RotatingBlocks
 from assessment.results.frames import lengthenings
@@ -50,8 +51,8 @@ class VirtualWork:
 
     @property
     def e_star(self) -> float:
-        """e* = (Σ P δ_x)²/(Σ P Σ P δ_x²)."""
-        return self.lateral**2 / (self.moving * self.second)
+        """e* of the sums over the macro-blocks."""
+        return Participation.of(self.moving, self.lateral, self.second).e_star
 
     def by_hand(self, delta_C: float) -> Trace:
         """Return the steps to α0, e* and last Γ*, of a control point that moves by δ_C along x."""

@@ -6,6 +6,7 @@ Circolare 7/2019, C8.7.1.2; Portioli et al., §7.1.
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi, sqrt
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,18 +32,21 @@ class Participation:
     first_moment: float
     second_moment: float
 
+    @classmethod
+    def of(cls, weight: float, first: float, second: float) -> Self:
+        """Return e* = (ΣPδ)²/(ΣP ΣPδ²) and Γ* = ΣPδ²/ΣPδ of ΣP, ΣPδ and ΣPδ²."""
+        return cls(first**2 / (weight * second), second / first, weight, first, second)
+
     def steps(self) -> Trace:
         """Return e* and Γ* by hand from the three sums over the moving weights, with δ_C = 1."""
         sums = "sum over the weights that move, δ_C = 1"
-        return (
+        return worked(
             datum("Sigma_P", self.weight, "kN", sums),
             datum("Sigma_P_delta", self.first_moment, "kN", sums),
             datum("Sigma_P_delta_2", self.second_moment, "kN", sums),
-            step("e_star", "Sigma_P_delta**2/(Sigma_P*Sigma_P_delta_2)", self.e_star, "", _LAW,
-                 Sigma_P_delta=self.first_moment, Sigma_P=self.weight, Sigma_P_delta_2=self.second_moment),
-            step("Gamma_star", "Sigma_P_delta_2/Sigma_P_delta", self.gamma_star, "", _LAW,
-                 Sigma_P_delta_2=self.second_moment, Sigma_P_delta=self.first_moment),
-        )  # fmt: skip
+            step("e_star", "Sigma_P_delta**2/(Sigma_P*Sigma_P_delta_2)", self.e_star, "", _LAW),
+            step("Gamma_star", "Sigma_P_delta_2/Sigma_P_delta", self.gamma_star, "", _LAW),
+        )
 
 
 def participation(
@@ -73,7 +77,7 @@ def participation(
     if first <= 0.0:
         raise CapacityError(message("Γ*: the control point moves against the moving weights; choose one that moves "
                                     "with the mechanism"))  # fmt: skip
-    return Participation(first**2 / (weight * second), second / first, weight, first, second)
+    return Participation.of(weight, first, second)
 
 
 def mechanism_participation(model: Assembly, mechanism: Array, control_dx: float) -> Participation:

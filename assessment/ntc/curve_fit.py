@@ -154,11 +154,9 @@ def _rigid_branch(rigid: Curve) -> tuple[Array, Array, float | None]:
         none = message("alpha_0 = {alpha:.6g}: the rigid mechanism needs no horizontal load: no seismic capacity",
                        alpha=float(alpha[0]))  # fmt: skip
         raise CapacityError(none)
-    down = np.flatnonzero(alpha <= 0.0)
-    if not down.size:
+    if (d_0 := _crossing(d, alpha)) is None:
         return d, alpha, None
-    k = int(down[0])
-    d_0 = float(d[k - 1] + (d[k] - d[k - 1]) * alpha[k - 1] / (alpha[k - 1] - alpha[k]))
+    k = int(np.argmax(alpha <= 0.0))
     return np.append(d[:k], d_0), np.append(alpha[:k], 0.0), d_0
 
 

@@ -102,14 +102,13 @@ class Solved:
 
 
 def verify(
-    capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method | None = None
+    capacity: CapacityCurve, demands: Mapping[str, Spectrum], method: Method = Method()
 ) -> dict[str, Check]:
     """Return the checks of the limit states in `demands` (limit state → spectrum of the site at that state).
 
     SLO, SLD and "SLV linear": linear; "SLO elastic" and "SLD elastic": end of the elastic branch, of a curve that has
     one; SLV and SLC: nonlinear, without numbers where a capacity is not defined. Raises ValueError for a wrong method.
     """
-    method = method or Method()
     checks = {}
     for state, spectrum in demands.items():
         require(state in EXCEEDANCE, "limit state", state, "one of SLO, SLD, SLV, SLC")
@@ -158,7 +157,7 @@ def check_linear(capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, 
 
 
 def check_nonlinear(
-    capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method | None = None
+    capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method = Method()
 ) -> Check:
     """Return the nonlinear kinematic check at SLV or SLC (Circolare 7/2019, C8.7.1.2, or that of 2009).
 
@@ -167,7 +166,6 @@ def check_nonlinear(
     which the same spectrum reaches d_SLC: a structure past SLC is past SLV. 2009: d_u = min(0.40 d_0, local limit),
     T_s = 2π √(d_s/a_s) at d_s = 0.4 d_u, S_De(T_s, 5 %) = d_u. Raises CapacityError where no d or a is left.
     """
-    method = method or Method()
     solved = _solve_displacement(capacity, limit_state, spectrum, method)
     if method.circular == "2019":
         if limit_state == "SLV":

@@ -69,14 +69,12 @@ def commented_toml(content: Mapping[str, Any], marked: Collection[KeyPath] = ())
 
 
 def _header(path: KeyPath, mark: str = "") -> list[str]:
-    """Return the lines that open the table at `path`: an empty one, and its name in brackets."""
     if not path:
         return []
-    name = ".".join(_key(part) for part in path if isinstance(part, str))
-    header = f"[[{name}]]" if isinstance(path[-1], int) else f"[{name}]"
     # an entry of a list
     named = path[:-1] if len(path) > 1 and table_at(path[:-1]) is table_at(path) else path
-    return ["", _beside(mark + header, keys_at(named[:-1]).get(str(named[-1])))]
+    blank, header = toml_header(path)
+    return [blank, _beside(mark + header, keys_at(named[:-1]).get(str(named[-1])))]
 
 
 def _left_out(path: KeyPath, given: Mapping[str, Any]) -> Iterator[str]:
@@ -116,6 +114,12 @@ def toml_tables(table: Mapping[str, Any], path: KeyPath = ()) -> Iterator[tuple[
 def plain_values(table: Mapping[str, Any]) -> dict[str, Any]:
     """Return what a table holds beside tables and lists of tables."""
     return {key: value for key, value in table.items() if not _is_tables(value)}
+
+
+def toml_header(path: KeyPath) -> list[str]:
+    """Return the lines that open the table at `path`: an empty one and its name in brackets."""
+    name = ".".join(_key(part) for part in path if isinstance(part, str))
+    return ["", f"[[{name}]]" if isinstance(path[-1], int) else f"[{name}]"] if path else []
 
 
 def _line(key: str, value: Any) -> str:
