@@ -68,9 +68,8 @@ class Certificate:
 
     `equilibrium`: largest unbalanced force (moments by the block size) per weight; `cone`: largest violation of the
     bounds of P and T per weight; `complementarity`: forces times the gaps and slips that they should not have, per
-    weight
-    of the structure and step; `penetration` m: deepest interpenetration that no bed explains; `work`: |f_LᵀΔx − γ| per
-    weight and step.
+    weight of the structure and step; `penetration` m: deepest interpenetration that no bed explains; `work`:
+    |f_LᵀΔx − γ| per weight and step.
     """
 
     equilibrium: float

@@ -155,7 +155,7 @@ def lengthenings(model: Assembly, positions: Array, delta: Array) -> Array:
 
 
 def _lengthening(ends: Array, owner: Index, middles: Array, delta: Array) -> Array:
-    """Return δ (t,) along ties by their ends (t, 2, 2) and blocks (t, 2), centroids at `middles` (b, 2)."""
+    """Return how much longer ties (t,) become, by ends (t, 2, 2) and blocks (t, 2); centroids at `middles` (b, 2)."""
     moved = field(ends.reshape(-1, 2), owner.ravel(), middles, delta).reshape(-1, 2, 2)
     along = ends[:, 1] - ends[:, 0]
     return np.asarray(((moved[:, 1] - moved[:, 0]) * along).sum(axis=1) / np.hypot(*along.T))
@@ -178,7 +178,7 @@ def tie_ends(results: Results, state: str, configuration: ArrayLike, times: floa
 
 
 def lengthening(results: Results, state: str, configuration: ArrayLike, rate: ArrayLike) -> Array:
-    """Return that (t,) of a state's ties under virtual displacements (b, 3) at a configuration (b, 3)."""
+    """Return by how much (t,) the ties of a state lengthen under virtual displacements (b, 3) at a configuration."""
     middles, ends = outlines(results).moved(configuration).centroids, tie_ends(results, state, configuration)
     return _lengthening(ends, _owner(ties_of(results, state)), middles, np.asarray(rate, dtype=float))
 

@@ -138,8 +138,7 @@ class Situation:
 
     `configuration` (b, 3), `force` (j, 2) kN: N and T, `centre` (j,) as a share of the overlap; `met`: the joints after
     the drawn ones, whose faces did not touch as drawn; `tension` (t,) kN of the ties of the state. `direction` is None
-    at rest; `alpha` the multiplier there;
-    `contacts`: the behaviour behind the forces.
+    at rest; `alpha` is the multiplier there; `contacts`: the behaviour behind the forces.
     """
 
     state: str

@@ -81,14 +81,12 @@ def solve(program: Program, layout: Elimination) -> tuple[Solution, Iterate | No
 
 
 def least_acceleration(program: Program, layout: Elimination) -> tuple[float, Array]:
-    """Return the least acceleration, per gravity, with which blocks of mean mass start to move (Gauss's principle).
+    """Return the least acceleration, per gravity, with which blocks start to move, and its forces (j, 3), kN and kNm.
 
-    And the forces (j, 3) N, P and T, kN and kNm, that leave it.
-
-    Joints count as rigid, and as closed if they may close within the program's step. This auxiliary program always has
-    a solution; it is zero if the loads can be balanced (with a lateral load, for some multiplier). Its objective is the
-    square of the acceleration, so a small acceleration may be none: a linear program decides that. Raises
-    ConvergenceError if the auxiliary program is not solved.
+    It is that of blocks of mean mass (Gauss's principle); the forces are N, P and T. Joints count as rigid, and as
+    closed if they may close within the program's step. This auxiliary program always has a solution. It is zero if the
+    loads can be balanced, with a lateral load for some multiplier. Its objective is the square of the acceleration, so
+    a small acceleration may be none: a linear program decides that. Raises ConvergenceError if it is not solved.
     """
     places, law = program.places.copy(), program.law.copy()
     closed = end_gaps(places) <= 0.5 * OPEN * program.step
