@@ -1,16 +1,12 @@
-"""The seismic demand on a project, at the ground, at height or of a record; indices of safety and risk of a state.
-
-At the end records of a campaign made to the spectrum of the site, or scaled to it.
-"""
+"""The seismic demand on a project, at ground, at height or of a record; indices of safety and risk of a state."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from assessment.analyses.found import as_part
-from assessment.analyses.fragility import COMPARED, spectrum_of
 from assessment.ntc import floor_spectrum
 from assessment.ntc.floor_spectrum import Spectrum, ground_of
 from assessment.ntc.hazard import HazardCurve, HazardError, return_period_steps, site_curve
@@ -20,14 +16,11 @@ from assessment.ntc.tables import CONFIDENCE_FACTOR, ROCK, SURFACE, Trace, confi
 from assessment.ntc.verification import ACTIVATION_DAMPING, RULES
 from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
-from assessment.project.schema import AssessmentTable, CampaignTable, KnowledgeTable
-from assessment.project.schema.motions import GENERATED_STEP
-from assessment.results.schema import StateResults, dynamic, known
+from assessment.project.schema import AssessmentTable, KnowledgeTable
+from assessment.results.schema import StateResults, known
 from assessment.results.schema import checks as parts
 from assessment.results.table import indices
 from assessment.runtime.errors import ProjectError
-from mechanics.messages import message
-from mechanics.records import Record, compatible_record
 
 PERIODS = np.concatenate([np.arange(400) / 100.0, np.arange(80, 201) / 20.0])  # s: finer up to 4 s
 
@@ -242,53 +235,3 @@ def _at(
         direction: {name: ratio for name, ratio in each.ratios.items() if name in limit_states}
         for direction, each in capacities.items()
     }
-
-
-DURATION, PLATEAU = 25.0, 10.0  # s, of a record that is made: NTC 2018 §3.2.3.6 [k]
-LOW, HIGH = -0.10, 0.30  # of the target: least and largest deviation of the mean spectrum
-
-
-def made_record(spectrum: Spectrum, seed: int) -> Record:
-    """Return a record whose spectrum is within 10 % of a given one; the same seed gives the same record."""
-    made = compatible_record(spectrum.acceleration, DURATION, GENERATED_STEP, seed, plateau=PLATEAU)
-    return replace(made, name=f"generated {seed}")
-
-
-def scaled_to(target: Spectrum, motions: Sequence[BaseMotion], table: CampaignTable) -> list[BaseMotion]:
-    """Scale each record, within the limits, so that the mean of ln(S_a/target) over ln T vanishes."""
-    periods, (low, high) = np.geomspace(*table.periods_s, COMPARED), table.scale_limits
-    wanted, found = np.log(target.acceleration(periods)), []
-    for motion in motions:
-        best = float(np.exp(np.mean(wanted - np.log(spectrum_of(motion, periods)))))
-        factor, notes = float(np.clip(best, low, high)), motion.notes
-        if factor != best:
-            limited = message(
-                "campaign, {record}: the spectrum of the site asks for a factor of {wanted:.3g}; "
-                "{taken:.3g} is taken, the limit (scale_limits = [{low:g}, {high:g}])",
-                record=motion.name, wanted=best, taken=factor, low=low, high=high,
-            )  # fmt: skip
-            notes += (limited,)
-        scaled, original = motion.at_amplitude(factor), motion.original.scaled(factor)
-        pga, scale, own = factor * motion.pga, factor * motion.scale, motion.amplitude
-        found.append(replace(scaled, original=original, pga=pga, scale=scale, amplitude=own, notes=notes))
-    return found
-
-
-def compatibility(
-    limit_state: str, target: Spectrum, motions: Sequence[BaseMotion], table: CampaignTable
-) -> dynamic.CampaignSpectrum:
-    """Return the mean spectrum of a set of records with the target: relative deviations and their periods (s)."""
-    periods = np.geomspace(*table.periods_s, COMPARED)
-    wanted = target.acceleration(periods)
-    mean = np.mean([spectrum_of(each, periods) for each in motions], axis=0)
-    deviation = mean / wanted - 1.0
-    return dynamic.CampaignSpectrum(
-        limit_state=limit_state,
-        periods_s=list(table.periods_s),
-        T_s=periods.tolist(),
-        target_g=wanted.tolist(),
-        mean_g=mean.tolist(),
-        lowest_deviation=float(deviation.min()),
-        highest_deviation=float(deviation.max()),
-        within=bool(deviation.min() >= LOW and deviation.max() <= HIGH),
-    )

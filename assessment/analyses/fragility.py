@@ -5,26 +5,20 @@ evenly in ln level. Where the structure stands at a higher level again, collapse
 ln level that is most likely. Of several records: their 50 % levels are lognormal, with the dispersion β_record; that of
 the levels of one record, β_ensemble, is the root of the mean square of their own β, and β² = β_record² + β_ensemble².
 
-At the end the same levels by other measures of intensity of their records.
-
 Everywhere `weights` (s, n) counts how often each of n observations is in each of s samples of the bootstrap. Levels in
 g, or in the unit of another measure.
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal, NamedTuple, Self
+from typing import Literal, NamedTuple
 
 import numpy as np
 from scipy.special import erfcx, log_ndtr, ndtri
 
-from assessment.project.motions import BaseMotion
-from assessment.project.project import Project
-from assessment.results.schema.dynamic import MeasureFit
-from mechanics.records import response_spectrum
-from mechanics.types import GRAVITY, Array, Mask
+from mechanics.types import Array, Mask
 
 MEAN_FROM, ENOUGH = 7, 3  # records: NTC 2018 §7.3.5
 PROBABILITIES = (0.16, 0.5, 0.84)
@@ -182,24 +176,43 @@ def over_records(levels: Sequence[RecordLevel]) -> Dispersion | None:
     """Return the fragility of several records by maximum likelihood; None where all withstood."""
     level = np.array([each.level for each in levels])
     withstood = np.array([each.withstood for each in levels], bool)
-    own = np.array([each.beta for each in levels]) ** 2
-    fell = np.where(withstood, 0.0, 1.0)
-    if not fell.any():
-        return None
+    own, fell = np.array([each.beta for each in levels]) ** 2, np.where(withstood, 0.0, 1.0)
 
-    def fitted(weights: Array) -> tuple[Array, Array, Array, Array]:
+    def fitted(weights: Array) -> tuple[Array, ...]:
         fit = fit_levels(level, withstood, weights)
         with np.errstate(invalid="ignore", divide="ignore"):
             within = np.sqrt((weights @ (own * fell)) / (weights @ fell))
         return fit.median, np.hypot(fit.beta, within), fit.beta, within
 
-    median, beta, beta_record, within = (float(value[0]) for value in fitted(np.ones((1, len(levels)))))
-    weights = samples_of_records([each.record for each in levels])
+    return _dispersion(fitted, [each.record for each in levels])
+
+
+def over_stripes(levels: Sequence[float], shares: Array, records: Sequence[str]) -> Dispersion | None:
+    """Return the fragility of the `shares` (n, k) of motions of the `records` (n,) that collapse at k levels.
+
+    None where they determine no median. The β is that of the records: within one of them it is not told apart.
+    """
+
+    def fitted(weights: Array) -> tuple[Array, ...]:
+        fit = fit_stripes(np.array(levels), shares, weights)
+        return fit.median, fit.beta, fit.beta, np.zeros(len(weights))
+
+    return _dispersion(fitted, records)
+
+
+def _dispersion(fitted: Callable[[Array], tuple[Array, ...]], records: Sequence[str]) -> Dispersion | None:
+    """Return what is `fitted` to all observations, each of a record, and the ranges of the bootstrap."""
+    if not records:
+        return None
+    median, beta, beta_record, within = (float(value[0]) for value in fitted(np.ones((1, len(records)))))
+    if not (0.0 < median < math.inf and math.isfinite(beta)):
+        return None
+    weights = samples_of_records(records)
     if weights is None:
         return Dispersion(median, beta, beta_record, within, None, None)
-    samples = fitted(weights)
-    ranges = confidence(samples[0]), confidence(samples[1])
-    return Dispersion(median, beta, beta_record, within, *ranges, band_of(samples[0], samples[1]))
+    medians, betas, *_ = fitted(weights)
+    ranges = confidence(medians), confidence(betas)
+    return Dispersion(median, beta, beta_record, within, *ranges, band_of(medians, betas))
 
 
 class Lognormal(NamedTuple):
@@ -360,59 +373,3 @@ def confidence(values: Array) -> list[float | None]:
         return [None, None]
     low, high = np.quantile(known, [half, 1.0 - half], method="nearest")
     return [float(each) if each < np.inf else None for each in (low, high)]
-
-
-DAMPING = 0.05  # of spectra and of Sa(T)
-COMPARED = 60  # periods at which spectra are compared
-PERIOD, FIRST, LAST = 1.0, 0.15, 2.0  # s: of Sa(T) and AvgSa where the project names none
-UNITS = {"PGA": "g", "PGV": "m/s", "Sa(T)": "g", "AvgSa": "g"}
-
-
-def spectrum_of(motion: BaseMotion, periods: Array) -> Array:
-    """Return Sa(T) (k,) of a base motion, g: 5 % damping, at periods (k,) in s."""
-    return response_spectrum(motion.record.acceleration, motion.record.time_step, periods, DAMPING)[0]
-
-
-def ordinate(motion: BaseMotion, period: float) -> float:
-    """Return Sa(T) of a base motion, g, at a period T in s."""
-    return float(spectrum_of(motion, np.array([period]))[0])
-
-
-@dataclass(frozen=True)
-class Measures:
-    """The measures of intensity over which fragilities are given: PGA, PGV, Sa(T), and AvgSa between two periods (s).
-
-    AvgSa is the geometric mean of Sa, evenly over ln T; PGV is that of the record without its mean acceleration.
-    `period` (s): T of Sa(T); `over_pga`: of each record by their names, over its PGA; PGV in m/s per g.
-    """
-
-    period: float
-    over_pga: Mapping[str, Mapping[str, float]]
-
-    @classmethod
-    def of(cls, project: Project, motions: Sequence[BaseMotion]) -> Self:
-        """Return the measures of some records, at the periods of the project's campaign."""
-        campaign, found = project.campaign, {}
-        period = (campaign.period_s if campaign else None) or PERIOD
-        periods = np.geomspace(*(campaign.periods_s if campaign else (FIRST, LAST)), COMPARED)
-        for motion in motions:
-            a = motion.record.acceleration - motion.record.acceleration.mean()
-            velocity = GRAVITY * motion.record.time_step * np.cumsum(0.5 * (a[1:] + a[:-1]))
-            values = {
-                "PGA": motion.pga,
-                "PGV": float(abs(velocity).max()),
-                "Sa(T)": ordinate(motion, period),
-                "AvgSa": float(np.exp(np.mean(np.log(spectrum_of(motion, periods))))),
-            }
-            found[motion.name] = {name: value / motion.pga for name, value in values.items()}
-        return cls(period, found)
-
-    def fits(self, levels: Sequence[RecordLevel]) -> list[MeasureFit]:
-        """Return median and β of the same levels by each measure."""
-        found = []
-        for name, unit in UNITS.items():
-            by = [replace(each, level=each.level * self.over_pga[each.record][name]) for each in levels]
-            fit, period = over_records(by), self.period if name == "Sa(T)" else None
-            median, beta = (fit.median, fit.beta) if fit else (None, None)
-            found.append(MeasureFit(measure=name, unit=unit, period_s=period, median=median, beta=beta))
-        return found

@@ -20,11 +20,13 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
-from assessment.analyses.fragility import observed
+from assessment.analyses.fragility import Observed, observed
 from assessment.analyses.histories import Scatter, Track, enough, lowest_median_highest
 from assessment.analyses.time_history import Shaking, respond, thinned
 from assessment.results.schema.dynamic import Counts, Level, MemberCurve
@@ -75,6 +77,33 @@ class Scan:
     counts: Counts | None = None
     worst: float = 0.0
     seconds: float = 0.0
+
+    @cached_property
+    def seen(self) -> Observed:
+        """What the levels show; nothing of a scan that was not completed."""
+        runs = [] if self.reason is not None else self.points
+        return observed([point.pga_g for point in runs], [point.collapsed for point in runs])
+
+    @property
+    def near(self) -> float | None:
+        """A level (g) near the collapse, the largest one where none collapsed; None: not completed."""
+        return self.seen.middle or self.seen.safe or None
+
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """What the results have of it, by the keys of Scanned."""
+        seen, done = self.seen, self.reason is None
+        low, middle, high = seen.probable or (None, None, None)
+        fallen = {"collapsed": [point.collapsed for point in self.points]} if self.stripes and done else {}
+        return fallen | {
+            "pga_collapse_g": seen.capacity, "pga_safe_g": seen.safe if done else None,
+            "lowest_collapse_g": seen.lowest, "level_16_g": low, "level_50_g": middle, "level_84_g": high,
+            "beta": seen.beta if seen.probable else None, "widest_gap_g": list(seen.gap) if seen.gap else None,
+            "time_step_s": self.time_step if done else None, "resurrections_g": list(seen.stands),
+            "runs": self.counts.motions if self.counts else 0, "points": self.points, "reason": self.reason,
+            "notes": list(self.notes), "counts": self.counts,
+            "pga_collapse_range": None if seen.lowest is None else [seen.capacity, seen.certain],
+        }  # fmt: skip
 
 
 def scan(

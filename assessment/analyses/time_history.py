@@ -328,28 +328,24 @@ Starts = Mapping[tuple[str, str], tuple[Assembly, Start]]
 
 @dataclass(frozen=True)
 class MotionInputs:
-    """The inputs that all motions of a run share.
-
-    `ultimates`: ultimate displacement by state and control point.
-    """
+    """The inputs that all motions of a run share; `pushovers` of each state, by direction."""
 
     project: Project
     starts: Starts
-    ultimates: Mapping[tuple[str, str], float]
+    pushovers: Mapping[str, Mapping[Direction, Pushovers]]
     workers: Workers
 
-    def tasks(
-        self, table: StatesTable, motions: Sequence[BaseMotion], integrated: MotionTable | None = None
-    ) -> list[Shaking]:
-        """Return the motions from every state that the table asks for, `integrated` as the table says or otherwise."""
+    def tasks(self, table: StatesTable, motions: Sequence[BaseMotion]) -> list[Shaking]:
+        """Return the motions from every state that the table asks for."""
         control, sliding = self.project.control_point(table.control), self.project.contacts.sliding
-        if integrated is None:  # without its choice of states: one analysis does not depend on the others
-            integrated = table.model_copy(update={"states": None})
+        # without its choice of states: one analysis does not depend on the others
+        integrated = table.model_copy(update={"states": None})
         found = []
         for state in self.project.states:
             if table.states is None or state in table.states:
                 model, start = self.starts[state, table.contacts]
-                setting = Setting(integrated, control, self.ultimates.get((state, control.name)), sliding)
+                ultimate = ultimate_of(self.pushovers.get(state, {}), control.name)
+                setting = Setting(integrated, control, ultimate, sliding)
                 found += [Shaking(model, each, setting, start, state) for each in motions]
         return found
 
@@ -385,13 +381,14 @@ def why_not_reached(stage: StateResult) -> Message:
     return linked(stage.failures) if stage.failures else message("the settled state was not reached")
 
 
-def ultimates(pushovers: Mapping[str, Mapping[Direction, Pushovers]]) -> dict[tuple[str, str], float]:
-    """Return where the capacity vanishes (m) by state and control point, if for one point in both directions."""
-    found = {}
-    for state, pushed in pushovers.items():
-        rigid = [(each.control, each.rigid) for each in pushed.values() if each.rigid is not None]
-        ends = [curve.d_0_m for _, curve in rigid if curve.reached_zero and curve.d_0_m is not None]
-        controls = {control for control, _ in rigid}
-        if len(ends) == 2 and len(controls) == 1:
-            found[state, controls.pop()] = max(ends)
-    return found
+def ultimate_of(pushed: Mapping[Direction, Pushovers], control: str) -> float | None:
+    """Return where the static capacity vanishes (m), if for this control point in both directions."""
+    rigid = [(each.control, each.rigid) for each in pushed.values() if each.rigid is not None]
+    ends = [curve.d_0_m for _, curve in rigid if curve.reached_zero and curve.d_0_m is not None]
+    return max(ends) if len(ends) == 2 and {name for name, _ in rigid} == {control} else None
+
+
+def least_d_0(pushed: Mapping[Direction, Pushovers], control: str) -> float | None:
+    """Return the least d_0 (m) of the rigid curves of a control point; None: no curve has one."""
+    rigid = [each.rigid for each in pushed.values() if each.control == control and each.rigid]
+    return min((each.d_0_m for each in rigid if each.d_0_m), default=None)

@@ -111,9 +111,8 @@ def render_html(
         attached.append(Embedded(file, Path(name).stem.replace("_", " "), address))
     calculations = list(grids.traces(results, words))
     states = results.states.values()
-    shaken = any(state.history or state.incremental.records is not None for state in states)
     there: dict[str, Any] = {
-        "dynamic": shaken or results.campaign,
+        "dynamic": results.campaign or any(each.history or each.incremental.records for each in states),
         "cracks": any(state.settlement for state in states),
     }
     there |= {"validation": full, "trace": calculations, "attachments": attached}

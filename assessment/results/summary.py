@@ -110,7 +110,7 @@ def determined_indices(results: schema.Results) -> dict[str, schema.Indices]:
 def summary_of(results: schema.Results) -> schema.Summary:
     """Return the summary of every state and direction asked for, and where ζ_E is least."""
     asked: list[Direction | None] = [*directions_asked(results)]
-    shaken = any(state.incremental.records is not None for state in results.states.values())
+    shaken = any(state.incremental.fragility for state in results.states.values())
     if not asked and shaken:
         asked = [None]
     limits = limit_states(results.echo)
@@ -177,13 +177,14 @@ def _row(
             row |= _alpha_loss(bent, elastic, "alpha_u")
     if capacity and capacity.alpha_0 is not None and capacity.other_law:
         row |= {"alpha_0": capacity.alpha_0, "other_law": capacity.other_law}
-    if state.incremental.records is not None:
-        dynamic, loss = state.incremental.pga_collapse_g, state.incremental.loss
+    if (fit := state.incremental.fragility) is not None:
+        dynamic, loss = fit.pga_collapse_g, state.incremental.loss
         nominal = capacity.nominal.pga_g if capacity and capacity.nominal else None
         row |= {"dynamic_pga_g": dynamic, "static_nominal_pga_g": nominal}
         row["dynamic_to_static"] = dynamic / nominal if dynamic is not None and nominal else None
         if original is not None:
-            lost = reduction(original.incremental.pga_collapse_g, dynamic)
+            drawn = original.incremental.fragility
+            lost = reduction(drawn.pga_collapse_g if drawn else None, dynamic)
             row["dynamic_loss"] = loss.dynamic if loss else lost
     return schema.SummaryRow(**row)
 

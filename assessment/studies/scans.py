@@ -4,14 +4,16 @@ import math
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import product
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
 from assessment.analyses.found import LEVELS, accuracy_of
-from assessment.analyses.fragility import Observed, observed
 from assessment.analyses.histories import scatter_of
 from assessment.analyses.scan import EXPECTED, SPACING, Reach, Scan, scan
-from assessment.analyses.time_history import WORTHWHILE, Shaking, quality_row
+from assessment.analyses.time_history import WORTHWHILE, Setting, Shaking, Start, quality_row
+from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
 from assessment.project.schema import MotionTable
 from assessment.results.schema.studies import ConvergenceRow
@@ -28,20 +30,36 @@ SCALED = 3.0  # factor on a record beyond which its level is no longer that of s
 
 
 @dataclass(frozen=True, eq=False)
+class Place:
+    """A state that is shaken: its assembly, and where it rests or why it does not.
+
+    `path`: the movement on which states follow one another. `ultimate`, `d_0_m` (m): control displacements at which the
+    static capacity vanishes in both directions, and in the first of them. None: not known.
+    """
+
+    title: Message
+    path: str
+    model: Assembly
+    start: Start
+    ultimate: float | None
+    d_0_m: float | None
+
+
+@dataclass(frozen=True, eq=False)
 class Asked:
     """A record of one `sign` from a state; `shaking` has the sign that is run.
 
     Both signs of a structure that is its own mirror image are one run. `after`: the one at whose level it begins.
-    `ratio`: measure of intensity over the PGA of the record; `state`: what [campaign] knows of the state.
+    `ratio`: measure of intensity over the PGA of the record.
     """
 
     shaking: Shaking
     sign: int
     run_sign: int
     reach: Reach
+    state: Place
     after: "Asked | None" = None
     ratio: float = 1.0
-    state: Any = None
 
     @property
     def record(self) -> str:
@@ -66,29 +84,31 @@ class Asked:
 
 
 def asked_for(
-    shakings: Iterable[tuple[Hashable, Shaking, float, Any]],
-    signs: Sequence[int],
-    reach: Reach,
-    mirror_image: Assembly | None,
-) -> list[Asked]:
-    """Return every shaking with every sign; each: path of its state, shaking, ratio and state.
+    project: Project, table: MotionTable, drawn: Assembly, places: Iterable[Place], motions: Sequence[BaseMotion],
+    signs: Sequence[int], reach: Reach, ratio: Mapping[str, float],
+) -> list[Asked]:  # fmt: skip
+    """Return every record with every sign from every state.
 
     A scan begins at the level found for the same record and sign at the state before on its path, else for the record's
-    first sign, else the first record. `mirror_image`: the structure as drawn, if it is one: of it one sign is run.
+    first sign, else the first record. Where the structure as `drawn` is its own mirror image one sign of it is run.
     """
+    control, mirror = project.control_point(table.control), Mirror.of(drawn, table.contacts)
+    symmetric = mirror is not None and mirror.swaps(control.point_m, control.point_m)
+    integrated = MotionTable(**{key: getattr(table, key) for key in MotionTable.model_fields})
     found: list[Asked] = []
     before: dict[Hashable, Asked] = {}
-    for path, shaking, ratio, state in shakings:
-        motion = shaking.motion
-        one_sign = mirror_image is not None and shaking.start is mirror_image.initial
+    for place, motion in product(places, motions):
+        setting = Setting(integrated, control, place.ultimate, project.contacts.sliding)
         for sign in signs:
-            run_sign, place = signs[0] if one_sign else sign, (path, motion.name, sign)
-            after = before.get(place) or before.get(motion.name) or (found[0] if found else None)
-            turned = replace(shaking, motion=replace(motion, record=motion.record.scaled(float(run_sign))))
-            own = replace(reach, stripes=tuple(level / ratio for level in reach.stripes))
-            before[place] = Asked(turned, sign, run_sign, own, after, ratio, state)
-            before.setdefault(motion.name, before[place])
-            found.append(before[place])
+            run_sign = signs[0] if symmetric and place.start is drawn.initial else sign
+            at, by = (place.path, motion.name, sign), ratio[motion.name]
+            after = before.get(at) or before.get(motion.name) or (found[0] if found else None)
+            turned = replace(motion, record=motion.record.scaled(float(run_sign)))
+            shaking = Shaking(place.model, turned, setting, place.start, str(place.title))
+            own = replace(reach, stripes=tuple(level / by for level in reach.stripes))
+            before[at] = Asked(shaking, sign, run_sign, own, place, after, by)
+            before.setdefault(motion.name, before[at])
+            found.append(before[at])
     return found
 
 
@@ -133,9 +153,9 @@ class Scans:
         """Return the level that a scan begins at, or which of the tasks it is taken `From`."""
         known = [each for each in (asked, asked.after) if each is not None and each.key in self.found]
         if known:
-            return level_found(self.of(known[0]))
+            return self.of(known[0]).near
         if asked.after is not None and asked.after.key in numbers and not asked.reach.stripes:
-            return From(numbers[asked.after.key], level_found)
+            return From(numbers[asked.after.key], attrgetter("near"))
         return None
 
     def _by_step(self, asked: Asked) -> dict[int, Scan]:
@@ -170,8 +190,11 @@ class Scans:
         if asked.key in self.told:
             return
         self.told.add(asked.key)
+        state = asked.shaking.state
         if found.counts:
-            study.quality.append(quality_row(asked.shaking.state, stage, found.counts.programs, found.worst))
+            study.quality.append(
+                quality_row(state, f"{stage}, {asked.record}", found.counts.programs, found.worst)
+            )
         study.failures += [headed(asked.title, text) for text in found.failures]
         study.warnings += [headed(asked.title, text) for text in (*found.notes, *_doubts(asked, found))]
         study.seconds += found.seconds
@@ -219,7 +242,7 @@ class Scans:
     def _spread(self, asked: Sequence[Asked]) -> list[Asked]:
         """Return LOOKED_AT scans, evenly spaced among those that collapse: of several records and of several states."""
         each_once = {each.key: each for each in asked if each.starts}.values()
-        every = [each for each in each_once if observed_in(self.of(each)).lowest] or list(each_once)
+        every = [each for each in each_once if self.of(each).seen.lowest] or list(each_once)
         spread = sorted({k * (len(every) - 1) // (LOOKED_AT - 1) for k in range(LOOKED_AT)})
         return [every[k] for k in spread if every]
 
@@ -232,7 +255,7 @@ class Scans:
         """
         moved: dict[int, list[float]] = {}
         for found in {each.key: self._by_step(each) for each in asked}.values():
-            seen = {n: observed_in(each) for n, each in found.items()}
+            seen = {n: each.seen for n, each in found.items()}
             lowest = {n: each.lowest or each.safe for n, each in seen.items() if each.lowest or each.safe}
             fell = len(lowest) > 1 and any(each.lowest for each in seen.values())
             for n, level in lowest.items() if fell else ():
@@ -245,7 +268,7 @@ class Scans:
     def _moved(self, asked: Asked) -> float | None:
         """By how much, relative, the last halving moved the lowest collapse; None where one is not known."""
         found = self.found[asked.key]
-        last = [observed_in(found[n]).lowest for n in sorted(found)[-2:]]
+        last = [found[n].seen.lowest for n in sorted(found)[-2:]]
         if len(last) < 2 or last[0] is None or last[1] is None:
             return None
         return abs(last[1] / last[0] - 1.0)
@@ -253,7 +276,7 @@ class Scans:
     def _row(self, asked: Asked, tolerance: float, study: Study) -> ConvergenceRow:
         by_step, moved = self.found[asked.key], self._moved(asked)
         found = [by_step[n] for n in sorted(by_step)]
-        levels = [observed_in(each).capacity for each in found]
+        levels = [each.seen.capacity for each in found]
         failed = next((each.reason for each in found if each.reason), None)
         none = not any(levels) and not failed  # no step finds a collapse
         met = none or (moved is not None and moved <= tolerance and not failed)
@@ -262,7 +285,7 @@ class Scans:
             levels={"pga_collapse_g": levels},
         )  # fmt: skip
         if moved is not None and (last := levels[-1]) is not None:
-            error = moved + 1.0 - math.exp(-observed_in(found[-1]).spacing)
+            error = moved + 1.0 - math.exp(-found[-1].seen.spacing)
             row = row.replace(pga_collapse_error_g=error * last, relative_error=error)
         if met:
             return row
@@ -281,7 +304,7 @@ class Scans:
 
 def _doubts(asked: Asked, found: Scan) -> Iterator[Message]:
     """Yield what to know of the levels of a record: no collapse, bands, a record scaled far."""
-    seen, motion = observed_in(found), asked.shaking.motion
+    seen, motion = found.seen, asked.shaking.motion
     if found.reason is not None or found.stripes:
         return
     if seen.lowest is None:
@@ -307,51 +330,3 @@ def reach_of(project: Project) -> Reach:
     width = math.inf if incremental is None else incremental.tolerance_g
     histories = tuple((visible(Path(table.record).stem), table.scale) for table in project.history)
     return Reach(max(scales), ratio, width, histories=histories)
-
-
-def own_setting(table: MotionTable) -> MotionTable:
-    """Return how the motions of a table are integrated: the same for both tables, where they say the same."""
-    return MotionTable(**{key: getattr(table, key) for key in MotionTable.model_fields})
-
-
-def mirror_image(project: Project, model: Assembly, table: MotionTable) -> Assembly | None:
-    """Return the structure as drawn, if it and its control point are their own mirror images, else None."""
-    mirror = Mirror.of(model, table.contacts)
-    point = project.control_point(table.control).point_m
-    return model if mirror is not None and mirror.swaps(point, point) else None
-
-
-def observed_in(found: Scan) -> Observed:
-    """Return what a scan shows; nothing of one that was not completed."""
-    if found.reason is not None:
-        return Observed(safe=0.0)
-    return observed([each.pga_g for each in found.points], [each.collapsed for each in found.points])
-
-
-def level_found(found: Scan) -> float | None:
-    """Return a level (g) near the collapse of a scan, the largest one where none collapsed; None: not completed."""
-    seen = observed_in(found)
-    return seen.middle or seen.safe or None
-
-
-def numbers(found: Scan) -> dict[str, Any]:
-    """Return what the results have of a scan, by the keys of Scanned."""
-    seen, known = observed_in(found), found.reason is None
-    low, middle, high = seen.probable or (None, None, None)
-    return {
-        "pga_collapse_g": seen.capacity,
-        "pga_safe_g": seen.safe if known else None,
-        "lowest_collapse_g": seen.lowest,
-        "level_16_g": low,
-        "level_50_g": middle,
-        "level_84_g": high,
-        "beta": seen.beta if seen.probable else None,
-        "widest_gap_g": list(seen.gap) if seen.gap else None,
-        "time_step_s": found.time_step if known else None,
-        "resurrections_g": list(seen.stands),
-        "runs": found.counts.motions if found.counts else 0,
-        "points": found.points,
-        "reason": found.reason,
-        "notes": list(found.notes),
-        "counts": found.counts,
-    }

@@ -1,173 +1,139 @@
-"""What the scans of records sum up to: fragility, the standard's value, loss of capacity; the incremental analysis."""
+"""What the scans of [incremental] and [campaign] come to: a row a record and sign, fragility, §7.3.5, loss.
+
+At the end the incremental analysis.
+"""
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
 from assessment.analyses import fragility
 from assessment.analyses.found import accuracy_of, as_part
-from assessment.analyses.fragility import Measures
-from assessment.analyses.time_history import MotionInputs, Start
+from assessment.analyses.scan import Reach
+from assessment.analyses.time_history import MotionInputs, least_d_0, ultimate_of
 from assessment.project.motions import BaseMotion
-from assessment.project.schema import ORIGINAL, CampaignTable
-from assessment.results.schema import ConvergenceRow, dynamic
-from assessment.results.table import reduction
-from assessment.studies.scans import (
-    Asked,
-    Scans,
-    asked_for,
-    mirror_image,
-    numbers,
-    observed_in,
-    own_setting,
-    reach_of,
-)
+from assessment.project.schema import ORIGINAL
+from assessment.project.schema.motions import SetTable
+from assessment.results.schema import ConvergenceRow, dynamic, known
+from assessment.studies.record_set import Measures
+from assessment.studies.scans import Asked, Place, Scans, asked_for, reach_of
 from assessment.studies.variants import Study
 from mechanics import Assembly
 from mechanics.messages import Message, headed, message
 from mechanics.types import Array
 
 RESAMPLED = 7  # seed of what levels of a record are known to, in the bootstrap of a loss
+PARTS = ("beta_record", "beta_ensemble")  # of stripes there are none
+COUNTED = ("rule", "pga_collapse_g", "pga_collapse_g_range")  # nor of them
+DIRECTIONS = {1: "+x", -1: "-x"}  # of the load by the sign of the record
+UNKNOWN = dynamic.Loss(dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=0)
+Row = TypeVar("Row", bound=dynamic.Scanned)
+Fit = TypeVar("Fit", bound=dynamic.Fragility)
 
 
 @dataclass(frozen=True, eq=False)
-class Moved:
-    """A share of a movement: its largest component, assembly, state at rest or why there is none, static capacity.
+class Searches:
+    """The scans of a study: every record with every sign from every state; `levels` (g): of stripes."""
 
-    `static_capacity`: PGA at the surface (g) of the check, or α where there is none, of the weaker direction;
-    `ultimate` and `d_0_m` (m): control displacements at which it vanishes in both directions, and in the first. None:
-    not known.
-    """
+    stage: str
+    asked: Sequence[Asked]
+    scans: Scans
+    study: Study
+    measures: Measures
+    levels: Sequence[float] = ()
 
-    settlement: str
-    share: float
-    movement_m: float
-    model: Assembly
-    start: Start
-    static_capacity: float | None
-    ultimate: float | None
-    d_0_m: float | None
+    @classmethod
+    def made(
+        cls, stage: str, table: SetTable, places: Iterable[Place], motions: Sequence[BaseMotion], drawn: Assembly,
+        scans: Scans, study: Study, *, signs: Sequence[int] = tuple(DIRECTIONS), by: str = "PGA",
+        levels: Sequence[float] = (), looks: bool = True,
+    ) -> Self:  # fmt: skip
+        """Scan the records from the places; see Scans.settle. `by`: the measure that `levels` and medians are of."""
+        # many arguments: all that the two analyses do not have in common
+        project, measures = scans.project, Measures.of(scans.project, motions)
+        reach = Reach(table.max_scale, stripes=tuple(levels)) if levels else reach_of(project)
+        ratio = {name: each[by] for name, each in measures.over_pga.items()}
+        asked = asked_for(project, table, drawn, places, motions, signs, reach, ratio)
+        scans.settle(stage, asked, looks and not levels, study)
+        return cls(stage, asked, scans, study, measures, levels)
 
-    @property
-    def title(self) -> Message:
-        """The state, for messages."""
-        return moved_title(self.settlement, self.share)
+    def of(self, state: Place | None) -> list[Asked]:
+        """Return every record and sign from a state."""
+        return [each for each in self.asked if each.state is state]
 
+    def rows(self, kind: type[Row], asked: Sequence[Asked]) -> list[Row]:
+        """Return a row of each record and sign; if several are one run, the later ones name the first."""
+        rows: list[Row] = []
+        first: dict[str, Asked] = {}
+        for each in asked:
+            row = as_part(kind, each, each.state, **self.scans.of(each).numbers)
+            origin = first.setdefault(each.key, each)
+            if origin is each:
+                self.scans.tell(each, self.stage, self.study)
+            elif each.starts:
+                same = as_part(dynamic.SameAs, origin, origin.state)
+                row = row.replace(same_as=same, runs=0, points=[], counts=None)
+            rows.append(row)
+        return rows
 
-def moved_title(settlement: str, share: float) -> Message:
-    """Return the beginning of messages about the state after a share of a movement."""
-    return message("{state} × {share:g}", state=settlement, share=share)
+    def fragility(self, kind: type[Fit], state: Place, rows: Sequence[dynamic.Scanned]) -> Fit:
+        """Return the fragility of a state from its `rows`, of the measure, and what NTC 2018 §7.3.5 takes of them.
 
+        Of one record that collapses there is a level of 50 % and no scatter; of few records no ranges and no rule.
+        """
+        done = [(each, row) for each, row in zip(self.of(state), rows, strict=True) if row.reason is None]
+        levels, fit = record_levels([row for _, row in done]), None
+        spread: fragility.Dispersion | None = None
+        if self.levels:
+            shares, names = self._shares([each for each, _ in done]), [row.record for _, row in done]
+            spread = fit = fragility.over_stripes(self.levels, shares, names)
+        elif done and len(levels) == len(done):
+            own = zip(done, levels, strict=True)
+            fit = fragility.over_records([replace(x, level=x.level * e.ratio) for (e, _), x in own])
+            spread = fit if len({each.record for each in levels if not each.withstood}) > 1 else None
+        low, high = spread.probable if spread else (None, None)
+        found = {name: getattr(spread, name, None) for name in ("median_range", "beta", "beta_range", *PARTS)}
+        found |= dict.fromkeys((*PARTS, *COUNTED)) | {"directions": {}} if self.levels else counted(rows)
+        return as_part(
+            kind, state, combinations=len(rows), failed=len(rows) - len(done), median_g=fit.median if fit else None,
+            withstood=sum(row.lowest_collapse_g is None for _, row in done), level_16_g=low, level_84_g=high,
+            band=[list(each) for each in spread.band] if spread else [],
+            measures=self.measures.fits(levels) if spread and not self.levels else [], **found,
+        )  # fmt: skip
 
-def fragility_of(
-    state: Moved,
-    own: Sequence[tuple[Asked, dynamic.CampaignCombination]],
-    scans: Scans,
-    table: CampaignTable,
-    measures: Measures,
-) -> dynamic.CampaignFragility:
-    """Return the fragility of a state and its `own` rows, of the measure; of few records without ranges and rule."""
-    known = [(each, row) for each, row in own if row.reason is None]
-    levels = record_levels([(each.record, row) for each, row in known])
-    rule = None if table.levels_g else standard_of([(each.record, row) for each, row in own])
-    fit = None
-    if table.levels_g:
-        fit = _of_stripes([each for each, _ in known], scans, table.levels_g)
-    elif known and len(levels) == len(known):
-        ratio = (each.ratio for each, _ in known)
-        fit = fragility.over_records(
-            [replace(x, level=x.level * by) for by, x in zip(ratio, levels, strict=True)]
-        )
-    numbers = fitted(fit)
-    if table.levels_g:
-        numbers |= {"beta_record": None, "beta_ensemble": None}
-    return as_part(
-        dynamic.CampaignFragility, state, combinations=len(own), failed=len(own) - len(known),
-        withstood=sum(row.lowest_collapse_g is None for _, row in known), beta=fit.beta if fit else None,
-        measures=measures.fits(levels) if fit and not table.levels_g else [],
-        rule=rule.rule if rule else None, pga_collapse_g=rule.pga if rule and rule.rule else None, **numbers,
-    )  # fmt: skip
+    def loss(self, state: Place, base: Place | None) -> dynamic.Loss:
+        """Return the loss of capacity 1 − after/before of a state against its `base`, if there is one."""
+        pairs = list(zip(self.of(base), self.of(state), strict=True)) if base else []
+        loss = self._loss_of_stripes(pairs) if self.levels else paired_loss(pairs, self.scans)
+        return loss.replace(dynamic_range=[0.0, 0.0]) if state is base else loss
 
+    def _loss_of_stripes(self, pairs: Sequence[tuple[Asked, Asked]]) -> dynamic.Loss:
+        """Return the loss of the median over `pairs`; its range is that of the bootstrap over records."""
+        done = [both for both in pairs if all(e.starts and self.scans.of(e).reason is None for e in both)]
+        loss = UNKNOWN.replace(left_out=len(pairs) - len(done))
+        if not done:
+            return loss
+        samples = fragility.samples_of_records([one.record for one, _ in done])
+        weights = np.vstack([np.ones(len(done)), *([] if samples is None else samples)])
+        shares = (self._shares(own) for own in zip(*done, strict=True))
+        medians = (fragility.fit_stripes(np.array(self.levels), each, weights).median for each in shares)
+        # no level collapses: ∞, or all do: 0: only a bound is known
+        before, after = (np.where((each > 0.0) & (each < math.inf), each, math.nan) for each in medians)
+        lost = 1.0 - after / before
+        if not math.isfinite(lost[0]):
+            return loss
+        ends: list[float | None] = [None, None]
+        if len(lost) > 1 and np.isfinite(lost).all():
+            ends = fragility.confidence(lost[1:])
+        return _loss(float(lost[0]), ends, pairs, loss.left_out)
 
-def fitted(fit: fragility.Dispersion | None) -> dict[str, Any]:
-    """Return the keys that the fragilities of [incremental] and [campaign] share; null without a fit."""
-    alike = ("median_range", "beta_range", "beta_record", "beta_ensemble")
-    low, high = fit.probable if fit and fit.beta < math.inf else (None, None)
-    found: dict[str, Any] = {"median_g": fit.median if fit else None, "level_16_g": low, "level_84_g": high}
-    found |= {name: getattr(fit, name, None) for name in alike}
-    return found | {"band": [list(each) for each in fit.band] if fit else []}
-
-
-def record_levels(parts: Sequence[tuple[str, dynamic.Scanned]]) -> list[fragility.RecordLevel]:
-    """Return the 50 % levels of records and signs that were completed; lower bounds where none collapses."""
-    return [
-        fragility.RecordLevel(record, level, part.level_50_g is None, part.beta or 0.0)
-        for record, part in parts
-        if part.reason is None and (level := part.level_50_g or part.pga_safe_g)
-    ]
-
-
-def _of_stripes(known: Sequence[Asked], scans: Scans, levels: Sequence[float]) -> fragility.Dispersion | None:
-    """Return the fit of stripes, of each record the share of its motions that collapse at a level; None: no median."""
-    if not known:
-        return None
-    fallen = _shares(known, scans)
-    fit = fragility.fit_stripes(np.array(levels), fallen, np.ones((1, len(known))))
-    median, beta = float(fit.median[0]), float(fit.beta[0])
-    if not (0.0 < median < math.inf and math.isfinite(beta)):
-        return None
-    weights = fragility.samples_of_records([each.record for each in known])
-    if weights is None:
-        return fragility.Dispersion(median, beta, beta, 0.0, None, None)
-    samples = fragility.fit_stripes(np.array(levels), fallen, weights)
-    ranges = fragility.confidence(samples.median), fragility.confidence(samples.beta)
-    return fragility.Dispersion(
-        median, beta, beta, 0.0, *ranges, fragility.band_of(samples.median, samples.beta)
-    )
-
-
-def _shares(known: Sequence[Asked], scans: Scans) -> Array:
-    """Return the shares (n, k) of motions that collapse at each level of the stripes."""
-    points = (scans.of(each).points for each in known)
-    return np.array([[point.members_collapsed / point.members for point in own] for own in points])
-
-
-def standard_of(parts: Sequence[tuple[str, dynamic.Scanned]]) -> fragility.Standard:
-    """Return the value by NTC 2018 §7.3.5: each record with its worse sign; mean of seven or more, else the lowest.
-
-    `parts`: records and signs. A record of which a sign was not completed decides nothing.
-    """
-    by_record: dict[str, list[dynamic.Scanned]] = {}
-    for record, part in parts:
-        by_record.setdefault(record, []).append(part)
-    signs = [[] if any(part.reason is not None for part in own) else own for own in by_record.values()]
-
-    def least(levels: Iterable[float | None]) -> float | None:
-        return min((level for level in levels if level is not None), default=None)
-
-    ends = ((least(p.pga_collapse_g for p in own), least(p.pga_safe_g for p in own)) for own in signs)
-    return fragility.standard_value(list(ends))
-
-
-def loss_of(
-    state: Moved, base: Moved | None, asked: Sequence[Asked], scans: Scans, levels: Sequence[float] | None
-) -> dynamic.CampaignLoss:
-    """Return the loss of capacity 1 − after/before of a movement against its `base`, dynamic and static."""
-    own, before = ([each for each in asked if each.state is of] for of in (state, base))
-    loss = UNKNOWN
-    if base is not None:
-        pairs = list(zip(before, own, strict=True))
-        loss = _loss_of_stripes(pairs, scans, levels) if levels else paired_loss(pairs, scans)
-        if state is base:
-            loss = loss.replace(dynamic_range=[0.0, 0.0])
-    static = reduction(base.static_capacity, state.static_capacity) if base else None
-    return as_part(dynamic.CampaignLoss, loss, state, static=static)
-
-
-UNKNOWN = dynamic.Loss(dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=0)
+    def _shares(self, own: Sequence[Asked]) -> Array:
+        """Return the shares (n, k) of motions that collapse at each level of the stripes."""
+        points = (self.scans.of(each).points for each in own)
+        return np.array([[point.members_collapsed / point.members for point in each] for each in points])
 
 
 def paired_loss(pairs: Sequence[tuple[Asked, Asked]], scans: Scans) -> dynamic.Loss:
@@ -177,7 +143,7 @@ def paired_loss(pairs: Sequence[tuple[Asked, Asked]], scans: Scans) -> dynamic.L
     root of the mean square of the β of all these levels. Pairs with a value missing are counted in `left_out`.
     """
     names, changes, errors = [], [], []
-    seen = [tuple(observed_in(scan) for scan in scans.paired(*both)) for both in pairs]
+    seen = [tuple(scan.seen for scan in scans.paired(*both)) for both in pairs]
     betas = [each.beta for both in seen for each in both if each.lowest is not None]
     beta = math.sqrt(sum(each**2 for each in betas) / max(len(betas), 1))
     for (one, _), (before, after) in zip(pairs, seen, strict=True):
@@ -194,40 +160,17 @@ def paired_loss(pairs: Sequence[tuple[Asked, Asked]], scans: Scans) -> dynamic.L
     random = np.random.default_rng(RESAMPLED)
     noise = random.standard_normal((fragility.SAMPLES, len(names))) * errors + changes
     medians = [float(np.median(np.repeat(each, weights[k % len(weights)]))) for k, each in enumerate(noise)]
-    low, high = (_lost(value) for value in np.quantile(medians, [0.975, 0.025], method="nearest"))
-    unmoved = all(one is other for one, other in pairs)
-    return dynamic.Loss(
-        dynamic=_lost(float(np.median(changes))),
-        dynamic_range=[low, high],
-        distinguishable=None if unmoved or low is None or high is None else not low <= 0.0 <= high,
-        left_out=left_out,
-    )
+    ends = [_lost(value) for value in np.quantile(medians, [0.975, 0.025], method="nearest")]
+    return _loss(_lost(float(np.median(changes))), ends, pairs, left_out)
 
 
-def _loss_of_stripes(
-    pairs: Sequence[tuple[Asked, Asked]], scans: Scans, levels: Sequence[float]
+def _loss(
+    lost: float | None, ends: list[float | None], pairs: Iterable[tuple[Asked, Asked]], left_out: int
 ) -> dynamic.Loss:
-    """Return the loss of the median over `pairs`, before and after; its range is that of the bootstrap over records."""
-    known = [both for both in pairs if all(each.starts and scans.of(each).reason is None for each in both)]
-    loss = UNKNOWN.replace(left_out=len(pairs) - len(known))
-    if not known:
-        return loss
-    samples = fragility.samples_of_records([one.record for one, _ in known])
-    weights = np.vstack([np.ones(len(known)), *([] if samples is None else samples)])
-    shares = (_shares(own, scans) for own in zip(*known, strict=True))
-    medians = (fragility.fit_stripes(np.array(levels), each, weights).median for each in shares)
-    # no level collapses: ∞, or all do: 0: only a bound is known
-    before, after = (np.where((each > 0.0) & (each < math.inf), each, math.nan) for each in medians)
-    lost = 1.0 - after / before
-    if not math.isfinite(lost[0]):
-        return loss
-    loss = loss.replace(dynamic=float(lost[0]))
-    if len(lost) == 1 or not np.isfinite(lost).all():
-        return loss
-    low, high = fragility.confidence(lost[1:])
-    assert low is not None and high is not None  # all are finite
-    apart = None if all(one is other for one, other in pairs) else not low <= 0.0 <= high
-    return loss.replace(dynamic_range=[low, high], distinguishable=apart)
+    low, high = ends
+    unmoved = all(one is other for one, other in pairs)
+    distinct = None if unmoved or low is None or high is None else not low <= 0.0 <= high
+    return dynamic.Loss(dynamic=lost, dynamic_range=ends, distinguishable=distinct, left_out=left_out)
 
 
 def _lost(change: float) -> float | None:
@@ -235,108 +178,134 @@ def _lost(change: float) -> float | None:
     return None if math.isinf(change) else 1.0 - math.exp(change)
 
 
-DIRECTIONS = {1: "+x", -1: "-x"}  # of the load by the sign of the record
+def record_levels(rows: Iterable[dynamic.Scanned]) -> list[fragility.RecordLevel]:
+    """Return the 50 % levels of records and signs that were completed; lower bounds where none collapses."""
+    return [
+        fragility.RecordLevel(row.record, level, row.level_50_g is None, row.beta or 0.0)
+        for row in rows
+        if row.reason is None and (level := row.level_50_g or row.pga_safe_g)
+    ]
 
 
-@dataclass
-class Searched(Study):
-    """What the analysis leaves beside what every study does: each state's part, and errors of the time step."""
+def worse_signs(rows: Iterable[dynamic.Scanned]) -> dict[str, dynamic.Scanned]:
+    """Return by record the sign that counts: one that was not completed, else that of the lowest level."""
 
-    states: dict[str, dynamic.Incremental] = field(default_factory=dict)
-    errors: list[ConvergenceRow] = field(default_factory=list)
+    def worse(row: dynamic.Scanned) -> tuple[bool, float, float]:
+        collapse = math.inf if row.pga_collapse_g is None else row.pga_collapse_g
+        return row.reason is None, collapse, row.pga_safe_g or 0.0
 
-
-def incremental(inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scans) -> Searched:
-    """Scan every record, of both signs, from every state, and sum them up by state."""
-    project, table = inputs.project, inputs.project.incremental
-    assert table is not None
-    drawn, found = inputs.starts[ORIGINAL, table.contacts][0], Searched()
-    tasks = [("", task, 1.0, None) for task in inputs.tasks(table, motions, own_setting(table))]
-    asked = asked_for(tasks, tuple(DIRECTIONS), reach_of(project), mirror_image(project, drawn, table))
-    scans.settle("incremental", asked, accuracy_of(project).tolerance is None, found)
-    found.errors = scans.refine(asked, found)
-    measures = Measures.of(project, motions)
-    by_state: dict[str, list[Asked]] = {}
-    for each in asked:
-        by_state.setdefault(each.shaking.state, []).append(each)
-        if each.sign == each.run_sign:
-            scans.tell(each, f"incremental, {each.record}", found)
-    for state, own in by_state.items():
-        searches = [_search(both, scans) for both in zip(own[::2], own[1::2], strict=True)]
-        found.states[state] = summarise(searches, found.warnings, state, measures)
-    for state, own in by_state.items():
-        if state != ORIGINAL and (before := by_state.get(ORIGINAL)):
-            loss = paired_loss(list(zip(before, own, strict=True)), scans)
-            found.states[state] = found.states[state].replace(loss=loss)
+    found: dict[str, dynamic.Scanned] = {}
+    for row in rows:
+        found[row.record] = min(found.get(row.record, row), row, key=worse)
     return found
 
 
-def _search(both: Sequence[Asked], scans: Scans) -> dynamic.Search:
-    """Return the row of a record: the numbers of its worse sign, and both signs."""
-    signs = []
-    for each in both:
-        part = dynamic.SignScan(sign=each.sign, **numbers(scans.of(each)))
-        if each.run_sign != each.sign:
-            part = part.replace(same_as=each.run_sign, runs=0, points=[], counts=None)
-        signs.append(part)
-    failed = [part for part in signs if part.reason is not None]
-    worse = failed[0] if failed else min(signs, key=lambda part: part.pga_collapse_g or float("inf"))
-    counted = next(each for each in both if each.sign == worse.sign)
-    seen, motion = observed_in(scans.of(counted)), counted.shaking.motion
-    shown = numbers(scans.of(counted)) | {"runs": sum(part.runs for part in signs)} | motion.told_vertical
-    return dynamic.Search(
-        record=motion.name, record_pga_g=motion.pga, sign=None if failed else worse.sign, signs=signs,
-        pga_collapse_g_range=None if seen.lowest is None else [seen.capacity, seen.certain],
-        seconds=sum(scans.of(each).seconds for each in both if each.sign == each.run_sign), **shown,
-    )  # fmt: skip
+def standard_of(rows: Iterable[dynamic.Scanned]) -> fragility.Standard:
+    """Return the value by NTC 2018 §7.3.5: each record with its worse sign; mean of seven or more, else the lowest.
+
+    A record of which a sign was not completed decides nothing.
+    """
+    ends = ((row.pga_collapse_g, row.pga_safe_g) for row in worse_signs(rows).values())
+    return fragility.standard_value(list(ends))
 
 
-def summarise(
-    records: Sequence[dynamic.Search], warnings: list[Message], state: str, measures: Measures | None = None
-) -> dynamic.Incremental:
-    """Return mean and lowest PGA at collapse of a state, the value by NTC 2018 §7.3.5, and the fragility."""
-    title = message("{state}", state=state)
-    if len(records) < fragility.ENOUGH:
-        few = message(
-            "records of the incremental analysis: {count}; NTC 2018 §7.3.5 asks for at least {least}; "
-            "the scatter from record to record is not known", count=len(records), least=fragility.ENOUGH,
+def counted(rows: Sequence[dynamic.Scanned]) -> dict[str, Any]:
+    """Return what §7.3.5 takes of all rows and of those of each sign, and from where all levels run collapse."""
+    standard, ends = standard_of(rows), [each.pga_collapse_range for each in worse_signs(rows).values()]
+    reached = [end for end in (each[1] if each else None for each in ends) if end is not None]
+    mean = sum(reached) / len(reached) if reached and len(reached) == len(ends) else None
+    upper = mean if standard.rule == "mean" else min(reached, default=None)
+    of_sign = {sign: [row for row in rows if row.sign == sign] for sign in DIRECTIONS}
+    directions = {DIRECTIONS[sign]: standard_of(own).pga for sign, own in of_sign.items() if own}
+    found = standard.rule, standard.pga, [standard.pga, upper] if any(ends) else None
+    return dict(zip(COUNTED, found, strict=True)) | {"directions": directions}
+
+
+def findings(
+    searches: Searches, records: int, found: Iterable[tuple[Place, dynamic.Fragility, dynamic.Loss | None]]
+) -> Iterator[Message]:
+    """Yield what to know of a study as a whole, and of the fragility and the loss of each of its states."""
+    if records < fragility.ENOUGH:
+        yield message(
+            "records: {count}; NTC 2018 §7.3.5 asks for at least {least}; the scatter from record to record is not "
+            "known", count=records, least=fragility.ENOUGH,
         )  # fmt: skip
-        warnings.append(headed(title, few))
-    signs = [(each.record, part) for each in records for part in each.signs]
-    if any(part.same_as is not None for _, part in signs):
-        alike = message(
+    if any(each.run_sign != each.sign for each in searches.asked):
+        yield message(
             "a symmetric structure: one sign of each record was run, the other is its mirror image; "
             "motions that turn on their last digits would differ by a few percent"
         )
-        warnings.append(headed(title, alike))
-    standard = standard_of(signs)
-    found = dynamic.Incremental(
-        records=list(records), mean_pga_collapse_g=standard.mean, lowest_pga_collapse_g=standard.lowest,
-        rule=standard.rule, pga_collapse_g=standard.pga, fragility=_fragility(signs, measures),
-        directions={way: standard_of([p for p in signs if p[1].sign == sign]).pga for sign, way in DIRECTIONS.items()},
+    for state, fit, loss in found:
+        for text in doubts(fit, bool(searches.levels)):
+            yield headed(state.title, text)
+        if loss is not None and loss.distinguishable is False:
+            lost, low, high = (round(x or 0.0, 2) + 0.0 for x in (loss.dynamic, *loss.dynamic_range))
+            text = message("a loss of {loss:.0%} is not distinguishable from none: its range is from {low:.0%} to "
+                           "{high:.0%}", loss=lost, low=low, high=high)  # fmt: skip
+            yield headed(state.title, text)
+
+
+def doubts(fit: dynamic.Fragility, stripes: bool) -> Iterator[Message]:
+    """Yield what to know of a fragility: combinations left open, lower bounds, no median, stripes without scatter."""
+    if fit.failed:
+        yield message("{failed} of {count} combinations could not be completed; median, dispersion and loss are those "
+                      "of the others", failed=fit.failed, count=fit.combinations)  # fmt: skip
+    if fit.withstood:
+        yield message(
+            "{withstood} of {count} combinations do not collapse up to the largest level tried and count as lower "
+            "bounds; raise max_scale, or levels_g, to find their collapse", withstood=fit.withstood,
+            count=fit.combinations,
+        )  # fmt: skip
+    if fit.median_g is None and fit.failed < fit.combinations:
+        yield message(
+            "no median of collapse is found; some levels have to be withstood, and others not, and more "
+            "combinations collapse as levels grow"
+        )
+    if stripes and fit.median_g is not None and fit.beta == 0.0:
+        yield message(
+            "no level with a collapse lies below one that is withstood, and the dispersion cannot be told: β = 0 and "
+            "a median acceleration of {median:.3g} g are the limit of ever more likely distributions; "
+            "add levels_g about it",
+            median=fit.median_g,
+        )
+
+
+def incremental(
+    inputs: MotionInputs, motions: Sequence[BaseMotion], scans: Scans, study: Study
+) -> tuple[dict[str, dynamic.Incremental], list[ConvergenceRow]]:
+    """Scan every record, of both signs, from every state; return each state's part, and errors of the time step."""
+    project, table = inputs.project, known(inputs.project.incremental)
+    control, states = project.control_point(table.control).name, {}
+    for name in project.states:
+        if table.states is None or name in table.states:
+            pushed, start = inputs.pushovers.get(name, {}), inputs.starts[name, table.contacts]
+            ends = ultimate_of(pushed, control), least_d_0(pushed, control)
+            states[name] = Place(message("{state}", state=name), "", *start, *ends)
+    looks, drawn = accuracy_of(project).tolerance is None, inputs.starts[ORIGINAL, table.contacts][0]
+    searches = Searches.made("incremental", table, states.values(), motions, drawn, scans, study, looks=looks)
+    errors = scans.refine(searches.asked, study)
+    found = {}
+    for name, state in states.items():
+        rows = searches.rows(dynamic.Scanned, searches.of(state))
+        fit, standard = searches.fragility(dynamic.Fragility, state, rows), standard_of(rows)
+        part = dynamic.Incremental(
+            records=[_search(motion, rows) for motion in motions], mean_pga_collapse_g=standard.mean,
+            lowest_pga_collapse_g=standard.lowest, fragility=fit,
+        )  # fmt: skip
+        if name != ORIGINAL and (original := states.get(ORIGINAL)):
+            part = part.replace(loss=searches.loss(state, original))
+        found[name] = part
+    told = [(states[name], known(part.fragility), part.loss) for name, part in found.items()]
+    study.warnings += [message("incremental: {text}", text=t) for t in findings(searches, len(motions), told)]
+    return found, errors
+
+
+def _search(motion: BaseMotion, rows: Iterable[dynamic.Scanned]) -> dynamic.Search:
+    """Return the row of a record: what its worse sign comes to, and both signs."""
+    signs = [row for row in rows if row.record == motion.name]
+    worse = worse_signs(signs)[motion.name]
+    return as_part(
+        dynamic.Search, worse, record_pga_g=motion.pga, signs=signs, runs=sum(each.runs for each in signs),
+        sign=None if worse.reason is not None else worse.sign, pga_collapse_g_range=worse.pga_collapse_range,
+        **motion.told_vertical,
     )  # fmt: skip
-    ends = [each.pga_collapse_g_range[1] for each in records if each.pga_collapse_g_range]
-    if not ends:
-        return found
-    reached = [end for end in ends if end is not None]
-    mean = sum(reached) / len(reached) if len(reached) == len(records) else None
-    upper = mean if standard.rule == "mean" else min(reached, default=None)
-    return found.replace(pga_collapse_g_range=[standard.pga, upper])
-
-
-def _fragility(
-    signs: Sequence[tuple[str, dynamic.SignScan]], measures: Measures | None
-) -> dynamic.Fragility | None:
-    """Return the fragility of a state over records and signs; None where fewer than two records collapse."""
-    levels = record_levels(signs)
-    fallen = {each.record for each in levels if not each.withstood}
-    fit = fragility.over_records(levels) if len(fallen) > 1 and len(levels) == len(signs) else None
-    if fit is None:
-        return None
-    return dynamic.Fragility(
-        dispersion=fit.beta,
-        records=len({record for record, _ in signs}),
-        censored=sum(each.withstood for each in levels),
-        measures=measures.fits(levels) if measures else [],
-        **fitted(fit),
-    )

@@ -16,7 +16,7 @@ from assessment.analyses.histories import histories
 from assessment.analyses.lateral import rests_or_moves, second_solver
 from assessment.analyses.paths import pressed_in, stand
 from assessment.analyses.states import Request, StateResult, analyse_states
-from assessment.analyses.time_history import MotionInputs, motion_part, starts_of, ultimates
+from assessment.analyses.time_history import MotionInputs, motion_part, starts_of
 from assessment.project.model import ProjectModel, StateModel
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL
@@ -33,11 +33,11 @@ from assessment.results.table import comparison
 from assessment.runtime.cache import Store
 from assessment.runtime.progress import Show
 from assessment.runtime.tasks import Outcome, Workers, large
-from assessment.studies import searches
 from assessment.studies.campaign import campaign
 from assessment.studies.convergence import Converged, converge
 from assessment.studies.identification import identification
 from assessment.studies.scans import Scans
+from assessment.studies.searches import incremental
 from assessment.studies.variants import Statics, Study, asks_for_scenarios, scenarios, sensitivity
 from assessment.workflow.checking import Checked, read_inputs
 from mechanics import Assembly, State
@@ -267,7 +267,7 @@ def _add_dynamics(draft: Draft, stages: Iterable[StateResult], scans: Scans) -> 
         for found in scans.workers.each("friction at rest", rests_or_moves, at_rest, [*resting], worthwhile):
             draft.warnings += found.warnings
     pushovers = {name: state.pushover for name, state in draft.states.items()}
-    inputs = MotionInputs(project, starts, ultimates(pushovers), scans.workers)
+    inputs = MotionInputs(project, starts, pushovers, scans.workers)
     if project.history:
         draft.put(motions=[motion_part(motion, PERIODS) for motion in motions.history])
         for each in histories(inputs, motions.history):
@@ -275,10 +275,10 @@ def _add_dynamics(draft: Draft, stages: Iterable[StateResult], scans: Scans) -> 
             draft.put_state(each.state, history=[*draft.states[each.state].history, each.numbers])
             draft.errors += [each.convergence] if each.convergence else []
     if project.incremental:
-        found = searches.incremental(inputs, motions.incremental, scans)
-        draft.add("incremental", found)
-        draft.search_errors += found.errors
-        for state, part in found.states.items():
+        study = Study()
+        parts, draft.search_errors = incremental(inputs, motions.incremental, scans, study)
+        draft.add("incremental", study)
+        for state, part in parts.items():
             draft.put_state(state, incremental=part)
 
 

@@ -26,7 +26,7 @@ from assessment.results.table import Row, Table, cells, reference_of
 
 # tables that the report prints as the CSV files have them
 AS_THEY_ARE = """ties settlements tie_tensions knowledge action indices risk interventions all_mechanisms linear_checks
-history history_ranges history_energy shaken_ties incremental incremental_states fragility_measures
+history history_ranges history_energy shaken_ties incremental fragility_measures
 static_dynamic convergence history_convergence incremental_convergence quality"""
 SIGNIFICANT = {"hand_check": 4, "second_solver": 5}  # digits of tables that show how near two values are
 CHECKED = "d_star_m a_star_g T_s pga_g demand_pga_g zeta_E return_period_years verified governing"
@@ -85,7 +85,7 @@ def printed_tables(results: Results, words: language.Words) -> dict[str, Grid]:
         replace(chosen, rows=[row for row in chosen.rows if "refused" not in row]),
         _checked(checked.chosen_checks(results), "mechanism state limit_state"),
         *studies.reported_studies(results),
-        *dynamic.reported_campaign(results),
+        *dynamic.reported_searches(results),
         mechanisms.hand_check(results),
         without(mechanisms.second_solver(results), "sliding"),
         Table("echo", list(echoed(printed(results.echo), words)), ("table", "setting", "value")),

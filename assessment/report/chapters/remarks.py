@@ -12,6 +12,7 @@ from assessment.ntc.verification import THRUSTING_A_G
 from assessment.report.language import Words, translated
 from assessment.report.tables import capacities, structure
 from assessment.report.tables.cracks import SEEN, cracks_of, surveyed
+from assessment.report.tables.dynamic import shaken
 from assessment.report.tables.mechanisms import alpha_at_d_0, excesses
 from assessment.results import hand_check, summary
 from assessment.results.schema import Behaviour, Direction, Results
@@ -54,11 +55,10 @@ def few_records(results: Results) -> dict[str, bool]:
     """Return where fewer records than NTC 2018, §7.3.5, asks for leave something out, by what it is left out of."""
     campaign = results.campaign
     rows = campaign.fragility if campaign else []
-    searches = [each.incremental for each in results.states.values() if each.incremental.records is not None]
     return {
         "campaign": bool(campaign and campaign.method == "incremental") and any(not fit.rule for fit in rows),
         "interval": any(fit.median_g is not None and fit.median_range is None for fit in rows),
-        "incremental": any(not each.rule for each in searches),
+        "incremental": any(not each.fit.rule for each in shaken(results, "incremental")),
     }
 
 

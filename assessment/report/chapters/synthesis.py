@@ -193,7 +193,7 @@ def _cells(results: Results, row: SummaryRow, first: str | None, listed: Sequenc
             words("value.indistinct") if same else None if check.loss is None else -check.loss
         )
     asked = {"static_pga_g": bool(row.checks), "d_0_m": row.alpha_0 is not None}
-    asked["dynamic_pga_g"] = results.states[row.state].incremental.records is not None
+    asked["dynamic_pga_g"] = results.states[row.state].incremental.fragility is not None
     for name in listed:
         if (value := getattr(row, name)) is not None or asked.get(name):
             found[name] = value

@@ -4,6 +4,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import groupby
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -18,6 +19,7 @@ from assessment.report.figures.style import save_png, save_svg
 from assessment.report.language import slug, words_of
 from assessment.report.tables import capacities
 from assessment.report.tables.cracks import cracks_of, surveyed
+from assessment.report.tables.dynamic import shaken
 from assessment.report.tables.structure import printed
 from assessment.results.frames import tie_ends
 from assessment.results.hand_check import governing_view, mechanisms
@@ -138,26 +140,27 @@ def pictures(results: Results) -> list[Picture]:
     for number, motion in enumerate(results.motions or []):
         told = partial(show, record=motion.name, pga=motion.pga_g)
         told(f"record_{number + 1}", "history", motions.draw_motion, number, caption="motion")
-        if moving := motions.shaken(results, motion.name):
+        if moving := motions.moving(results, motion.name):
             told(f"history_{number + 1}", "history", motions.draw_history, number, caption="control_history")
         for name in moving:
             stem = f"shapes_{number + 1}_{slug(results, name)}"
             told(stem, "history", motions.draw_shapes, name, number, caption="shapes", full=True, state=name)
-    scanned = {name: state.incremental.records or [] for name, state in results.states.items()}
-    searched = [name for name, records in scanned.items() if any(record.points for record in records)]
-    for name, states in _portions("incremental", searched):
-        show(name, "incremental", motions.draw_incremental, states, caption="incremental_curves")
-    if motions.fragile(results):
-        show("fragility", "incremental", motions.draw_fragility)
+    scanned = shaken(results, "incremental")
+    drawn_ones = [each for each in scanned if any(row.points for row in each.rows)]
+    for name, of in _portions("incremental", drawn_ones):
+        show(name, "incremental", motions.draw_ida, of, caption="incremental_curves")
+    if fragile := motions.known_fragilities(scanned):
+        show("fragility", "incremental", motions.draw_fragility, fragile)
     if results.campaign:
         show("campaign_loss", "campaign", motions.draw_campaign_loss, caption="campaign_losses")
-    for number, name in enumerate(motions.moved(results)):
-        told = partial(show, settlement=name)
-        if motions.fragile_shares(results, name):
+    moved = groupby(shaken(results, "campaign"), key=lambda each: each.state)
+    for number, (name, after) in enumerate(moved):
+        told, of = partial(show, settlement=name), [*after]
+        if fragile := motions.known_fragilities(of):
             stem = _numbered("campaign_fragility", number)
-            told(stem, "campaign", motions.draw_campaign_fragility, name, caption="campaign_fragility_curves")
+            told(stem, "campaign", motions.draw_fragility, fragile, caption="campaign_fragility_curves")
         stem = _numbered("campaign_curves", number)
-        told(stem, "campaign", motions.draw_campaign_curves, name, caption="campaign_curves", full=True)
+        told(stem, "campaign", motions.draw_ida, of, caption="campaign_curves", full=True)
     return made
 
 

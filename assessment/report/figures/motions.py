@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from itertools import cycle
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from assessment.report.figures.drawing import draw_ties, ghost_handle, tie_handles
 from assessment.report.figures.style import DASHES, chart, comma_ticks, key, legend, sheet, state_style
 from assessment.report.language import COARSE, Words, label, scale
+from assessment.report.tables.dynamic import Shaken
 from assessment.results.frames import tie_ends
 from assessment.results.joint_states import outlines
 from assessment.results.schema import Results, dynamic, known
@@ -28,7 +29,7 @@ SHADE = 0.12  # opacity of the bounds of a fragility
 STEEP = 0.1  # ln of the measure shown beyond the median of equal levels, which has no dispersion
 
 
-def shaken(results: Results, record: str) -> dict[str, dynamic.History]:
+def moving(results: Results, record: str) -> dict[str, dynamic.History]:
     """Return the time history of each state under a record, where the state was reached."""
     return {
         state: entry
@@ -38,21 +39,9 @@ def shaken(results: Results, record: str) -> dict[str, dynamic.History]:
     }
 
 
-def fragile(results: Results) -> dict[str, dynamic.Incremental]:
-    """Return the incremental analysis of each state that has a fragility."""
-    found = {state: content.incremental for state, content in results.states.items()}
-    return {state: each for state, each in found.items() if each.fragility}
-
-
-def moved(results: Results) -> list[str]:
-    """Return the settlements of the campaign."""
-    return list(dict.fromkeys(row.settlement for row in results.campaign.loss)) if results.campaign else []
-
-
-def fragile_shares(results: Results, settlement: str) -> list[dynamic.CampaignFragility]:
-    """Return the shares of a settlement whose fragility is known."""
-    found = known(results.campaign).fragility
-    return [row for row in found if row.settlement == settlement and row.median_g is not None]
+def known_fragilities(of: Sequence[Shaken]) -> list[Shaken]:
+    """Return those of the states whose fragility is known."""
+    return [each for each in of if each.fit.median_g is not None and each.fit.beta is not None]
 
 
 def draw_motion(results: Results, words: Words, index: int) -> Figure:
@@ -70,7 +59,7 @@ def draw_motion(results: Results, words: Words, index: int) -> Figure:
 
 def draw_history(results: Results, words: Words, index: int) -> Figure:
     """Draw the control displacement of every state under one record; a cross marks collapse."""
-    found = shaken(results, known(results.motions)[index].name)
+    found = moving(results, known(results.motions)[index].name)
     figure, (axes,) = chart(words, height_mm=68.0)
     size, mm = outlines(results).size, scale("displacement_m")
     falls = [entry for entry in found.values() if entry.collapsed]
@@ -106,7 +95,7 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
 
     Where it collapses, the largest is that from which it still came back.
     """
-    entry = shaken(results, known(results.motions)[index].name)[state]
+    entry = moving(results, known(results.motions)[index].name)[state]
     shape = outlines(results)
     start = shape.moved(results.states[state].configuration)
     kinds = ("sustained", "at_collapse") if entry.collapsed else ("at_peak", "at_end")
@@ -127,66 +116,30 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
     return page.figure
 
 
-class Ida(NamedTuple):
-    """A panel of IDA curves: each with record, sign, what was observed and the levels run.
+def _title(each: Shaken, words: Words) -> str:
+    if each.share is None or each.share == 0.0:
+        return words.state(each.state if each.share is None else "original")
+    return words.plain("figure.share", share=f"{100.0 * each.share:g}")
 
-    `probable`: levels of 16, 50 and 84 %; `counts`: PGA at collapse of the state; `certain`: from where all collapse;
-    `d_0` (m): of the rigid curves whose control point is that of the motions. None: not known.
+
+def _runs(results: Results, row: dynamic.Scanned) -> Sequence[dynamic.Level]:
+    """Return the levels of a row, of a campaign those of the one that has them; of a mirror image there are none."""
+    same = row.same_as
+    if same is None or same.settlement is None or same.sign != row.sign:
+        return row.points
+    of = (same.settlement, same.share, row.record, row.sign)
+    every = known(results.campaign).combinations
+    return next(each.points for each in every if (each.settlement, each.share, each.record, each.sign) == of)
+
+
+def draw_ida(results: Results, words: Words, of: Sequence[Shaken]) -> Figure:
+    """Draw the IDA curves of some states: PGA over peak displacement, the same axes in all panels.
+
+    A record has its mark, +x a full line and −x a dashed one; arrows at the lowest collapse of each curve; empty marks:
+    levels withstood above it; the levels that 16, 50 and 84 % collapse at, the one that counts, and where all do.
     """
-
-    title: str
-    curves: Sequence[tuple[str, int, dynamic.Scanned, Sequence[dynamic.Level]]]
-    probable: Sequence[float | None]
-    counts: float | None
-    certain: float | None
-    d_0: float | None
-
-
-def draw_incremental(results: Results, words: Words, states: Sequence[str]) -> Figure:
-    """Draw the IDA curves of each state."""
-    asked = (results.echo.incremental or {}).get("control") or (results.echo.control or [{}])[0].get("name")
-    panels = []
-    for name in states:
-        state = results.states[name]
-        found, fit = state.incremental, state.incremental.fragility
-        both = ((each.record, part) for each in known(found.records) for part in each.signs)
-        own = [(record, part.sign, part, part.points) for record, part in both]
-        pushes = [push.rigid for push in state.pushover.values() if push.control == asked and push.rigid]
-        d_0 = min((rigid.d_0_m for rigid in pushes if rigid.d_0_m), default=None)
-        probable = (fit.level_16_g, fit.median_g, fit.level_84_g) if fit else ()
-        upper = (found.pga_collapse_g_range or [None, None])[1]
-        panels.append(Ida(words.state(name), own, probable, found.pga_collapse_g, upper, d_0))
-    return _ida(words, panels)
-
-
-def draw_campaign_curves(results: Results, words: Words, settlement: str) -> Figure:
-    """Draw the IDA curves after each share of a movement.
-
-    A combination that another one's run stands for has the curve of that one, as its mirror image none.
-    """
-    campaign, panels = known(results.campaign), []
-    runs = {(row.settlement, row.share, row.record, row.sign): row.points for row in campaign.combinations}
-    for fit, loss in zip(campaign.fragility, campaign.loss, strict=True):
-        if fit.settlement != settlement:
-            continue
-        own = []
-        for row in campaign.combinations:
-            same, points = row.same_as, row.points
-            if same is not None and same.sign == row.sign:
-                points = runs[same.settlement, same.share, row.record, row.sign]
-            if (row.settlement, row.share) == (settlement, fit.share):
-                own.append((row.record, row.sign, row, points))
-        probable = (fit.level_16_g, fit.median_g, fit.level_84_g) if campaign.measure == "PGA" else ()
-        panels.append(Ida(_share(fit.share, words), own, probable, fit.pga_collapse_g, None, loss.d_0_m))
-    return _ida(words, panels)
-
-
-def _ida(words: Words, panels: Sequence[Ida]) -> Figure:
-    """Draw PGA over peak displacement, the same axes in all panels; arrows at the lowest collapse of each curve.
-
-    A record has its mark, +x a full line and −x a dashed one; empty marks: levels withstood above the lowest collapse.
-    """
-    curves, mm = [curve for panel in panels for curve in panel.curves], scale("peak_displacement_m")
+    panels = [[(row.record, row.sign, row, _runs(results, row)) for row in each.rows] for each in of]
+    curves, mm = [curve for panel in panels for curve in panel], scale("peak_displacement_m")
     records = list(dict.fromkeys(record for record, *_ in curves))
     style = {
         record: {"color": state_style(n)["color"], "marker": mark, "markersize": 3.0, "linewidth": 0.6}
@@ -205,25 +158,31 @@ def _ida(words: Words, panels: Sequence[Ida]) -> Figure:
         mark = {"marker": "o", "markerfacecolor": "1.0", "markersize": 3.0, "linestyle": "none"}
         handles.append(key(words.plain("figure.resurrection"), **mark))
     figure, axes_of = chart(words, len(panels))
-    for axes, panel in zip(axes_of, panels, strict=True):
-        for record, sign, seen, points in panel.curves:
+    for axes, each, panel in zip(axes_of, of, panels, strict=True):
+        for record, sign, seen, points in panel:
             _curve(axes, seen.lowest_collapse_g, points, reach, style[record] | {"linestyle": SIGNS[sign]})
-        if panel.counts is not None:
-            axes.axhline(panel.counts, label=words.plain("figure.quoted_pga"), **quoted)
-            if panel.certain is not None and panel.certain > panel.counts:
+        fit, certain = each.fit, (each.fit.pga_collapse_g_range or [None, None])[1]
+        if (counts := fit.pga_collapse_g) is not None:
+            axes.axhline(counts, label=words.plain("figure.quoted_pga"), **quoted)
+            if certain is not None and certain > counts:
                 band: dict[str, Any] = {
                     "color": BAND,
                     "linewidth": 0.0,
                     "label": words.plain("figure.to_all_collapse"),
                 }
-                axes.axhspan(panel.counts, panel.certain, zorder=0.5, **band)
-        for level in filter(None, panel.probable):
+                axes.axhspan(counts, certain, zorder=0.5, **band)
+        by_pga = each.share is None or known(results.campaign).measure == "PGA"
+        for level in filter(None, (fit.level_16_g, fit.median_g, fit.level_84_g) if by_pga else ()):
             axes.axhline(level, label=words.plain("figure.probable"), **dotted)
-        axes.set(xlabel=label("peak_displacement_m", words), ylabel=label("pga_g", words), title=panel.title)
+        axes.set(
+            xlabel=label("peak_displacement_m", words),
+            ylabel=label("pga_g", words),
+            title=_title(each, words),
+        )
         axes.set(xlim=(0.0, reach), ylim=(0.0, top))
-        if panel.d_0:  # a second axis inside the upper edge: displacements over d_0
+        if fit.d_0_m:  # a second axis inside the upper edge: displacements over d_0
             beside = axes.twiny()
-            beside.set_xlim(0.0, reach / mm / panel.d_0)
+            beside.set_xlim(0.0, reach / mm / fit.d_0_m)
             comma_ticks(beside, words)
             beside.grid(visible=False)
             beside.tick_params(top=False, pad=-9.0, labelsize="x-small", colors="0.4")
@@ -247,83 +206,61 @@ def _curve(
         axes.annotate("", (edge, collapse), below[-1], arrowprops=arrow)
 
 
-class FragilityCurve(NamedTuple):
-    """A fragility to draw: name, lognormal distribution (g), bounds, levels and shares of what was seen to collapse."""
+def draw_fragility(results: Results, words: Words, of: Sequence[Shaken]) -> Figure:
+    """Draw the probability of collapse over the measure: lognormal curves with their 95 % bounds.
 
-    name: str
-    median: float
-    dispersion: float
-    band: Sequence[Sequence[float]] | None
-    seen: tuple[Sequence[float], Sequence[float]]
-
-
-def draw_fragility(results: Results, words: Words) -> Figure:
-    """Draw the probability of collapse over PGA of each state: lognormal curve, and the 50 % levels it is fitted to."""
-    fits = []
-    for state, each in fragile(results).items():
-        fit, signs = known(each.fragility), [part for record in known(each.records) for part in record.signs]
-        fallen = sorted(part.level_50_g for part in signs if part.level_50_g is not None)
-        seen = fallen, _shares(fallen, len(signs))
-        fits.append(FragilityCurve(state, fit.median_g, fit.dispersion, fit.band, seen))
-    return _fragilities(words, fits, label("pga_g", words))
-
-
-def _shares(fallen: Sequence[float], count: int) -> list[float]:
-    """Return the share of a number of observations that collapse at each of the levels at which they do."""
-    return ((np.arange(len(fallen)) + 0.5) / max(count, 1)).tolist()
-
-
-def _fragilities(words: Words, fits: Sequence[FragilityCurve], measure: str) -> Figure:
-    """Draw probabilities of collapse over the measure, curves with their 95 % bounds; circles: what was seen."""
+    Circles: the levels of 50 % that they are fitted to, or the shares that collapse at each of the stripes.
+    """
     from scipy.special import ndtr  # late: few reports need it, and it takes long to import
 
+    campaign = results.campaign if of[0].share is not None else None
+    measure = label("pga_g", words)
+    if campaign and campaign.measure != "PGA":
+        measure = label("sa_g", words).replace("(T)", f"({words.show(campaign.period_s)} s)")
+    fits = [(each, known(each.fit.median_g), known(each.fit.beta), _seen(results, each)) for each in of]
     figure, (axes,) = chart(words, height_mm=75.0)
-    top = max(fit.median * np.exp(max(2.0 * fit.dispersion, STEEP)) for fit in fits)
-    low = min(fit.median * np.exp(-3.0 * fit.dispersion) for fit in fits)
-    low = min([low, *(level for fit in fits for level in fit.seen[0])])
+    top = max(median * np.exp(max(2.0 * beta, STEEP)) for _, median, beta, _ in fits)
+    low = min(median * np.exp(-3.0 * beta) for _, median, beta, _ in fits)
+    low = min([low, *(level for *_, seen in fits for level in seen[0])])
     start = 0.1 * math.floor(9.5 * low)  # below it nothing collapses
     level = np.linspace(max(start, 1e-3 * top), top, 300)
     handles: list[Artist] = []
-    for dashes, fit, shade in zip(cycle(DASHES), fits, np.linspace(1.0, 0.0, len(fits)), strict=False):
+    shades = np.linspace(1.0, 0.0, len(fits))
+    for dashes, (each, median, beta, seen), shade in zip(cycle(DASHES), fits, shades, strict=False):
         mark: dict[str, Any] = {"marker": "o", "markersize": 3.0, "markeredgewidth": 0.5, "color": "0.0"}
         mark["markerfacecolor"] = str(shade)
-        if fit.band:
-            p, least, most = (list(each) for each in zip(*fit.band, strict=True))
+        if each.fit.band:
+            p, least, most = map(list, zip(*each.fit.band, strict=True))
             bounds: dict[str, Any] = {"color": "0.0", "alpha": SHADE, "linewidth": 0.0}
             axes.fill_betweenx(p, least, most, label=words.plain("figure.fragility_band"), **bounds)
-        probability = ndtr(np.log(level / fit.median) / max(fit.dispersion, 1e-3 * STEEP))
+        probability = ndtr(np.log(level / median) / max(beta, 1e-3 * STEEP))
         axes.plot(level, probability, color="0.0", linestyle=dashes)
-        axes.plot(*fit.seen, linestyle="none", **mark)
-        beta = words.number(fit.dispersion, COARSE)
-        name = words.plain("figure.fragility", state=fit.name, median=fit.median, dispersion=beta)
+        axes.plot(*seen, linestyle="none", **mark)
+        named = {"state": _title(each, words), "median": median, "dispersion": words.number(beta, COARSE)}
+        name = words.plain("figure.fragility", **named)
         handles.append(key(name, linestyle=dashes, **mark))
     axes.set(xlabel=measure, xlim=(start, top), ylabel=words.plain("figure.probability"), ylim=(0.0, 1.0))
     legend(figure, 1, handles, handlelength=4.0)
     return figure
 
 
-def draw_campaign_fragility(results: Results, words: Words, settlement: str) -> Figure:
-    """Draw the probability of collapse over the measure, a curve per share; circles: the combinations, or stripes."""
-    campaign, fits = known(results.campaign), []
-    ratio = {each.record: (each.sa_g or each.record_pga_g) / each.record_pga_g for each in campaign.records}
-    for row in fragile_shares(results, settlement):
-        name = _share(row.share, words)
-        of_share = (r for r in campaign.combinations if (r.settlement, r.share) == (settlement, row.share))
-        runs = [run for run in of_share if run.pga_safe_g is not None]
-        if campaign.method == "stripes":
-            fallen = np.array([known(run.collapsed) for run in runs], dtype=float)
-            seen = campaign.levels_g, fallen.mean(axis=0).tolist()
-        else:  # levels of 50 %, by the measure, and the share of the combinations that collapse there
-            levels = sorted(ratio[run.record] * run.level_50_g for run in runs if run.level_50_g is not None)
-            seen = levels, _shares(levels, len(runs))
-        fits.append(FragilityCurve(name, known(row.median_g), known(row.beta), row.band, seen))
-    sa = label("sa_g", words).replace("(T)", f"({words.show(campaign.period_s)} s)")
-    return _fragilities(words, fits, label("pga_g", words) if campaign.measure == "PGA" else sa)
+def _seen(results: Results, of: Shaken) -> tuple[Sequence[float], Sequence[float]]:
+    """Return the levels at which collapse was seen, by the measure, and the share of records and signs that fell."""
+    rows, campaign = [row for row in of.rows if row.reason is None], results.campaign
+    if of.share is not None and campaign and campaign.method == "stripes":
+        fallen = np.array([known(row.collapsed) for row in rows], dtype=float)
+        return campaign.levels_g, fallen.mean(axis=0).tolist()
+    listed = campaign.records if campaign and of.share is not None else ()
+    ratio = {each.record: (each.sa_g or each.record_pga_g) / each.record_pga_g for each in listed}
+    levels = (ratio.get(row.record, 1.0) * row.level_50_g for row in rows if row.level_50_g is not None)
+    found = sorted(levels)
+    return found, ((np.arange(len(found)) + 0.5) / max(len(rows), 1)).tolist()
 
 
 def draw_campaign_loss(results: Results, words: Words) -> Figure:
     """Draw the loss of capacity over the movement, a panel per settlement: dynamic with 95 % bounds, static beside."""
-    names, campaign = moved(results), known(results.campaign)
+    campaign = known(results.campaign)
+    names = list(dict.fromkeys(row.settlement for row in campaign.loss))
     figure, panels = chart(words, len(names))
     losses = [loss for row in campaign.loss for loss in (row.dynamic, row.static, *row.dynamic_range)]
     drawn = [loss for loss in losses if loss is not None]
@@ -351,9 +288,3 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
         axes.set_ylim(per_cent * least - room, per_cent * most + room)
     legend(figure, 3)
     return figure
-
-
-def _share(share: float, words: Words) -> str:
-    if share == 0.0:
-        return words.state("original")
-    return words.plain("figure.share", share=f"{100.0 * share:g}")

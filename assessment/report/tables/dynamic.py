@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from importlib.resources import files
 
 import jinja2
@@ -18,12 +19,15 @@ HISTORY = f"""state record pga_g {VERTICAL} contacts control peak_displacement_m
 farthest_left_m collapsed time_of_collapse_s"""
 ENERGY = "input kinetic potential elastic friction impact viscous integrator residual"
 LEVELS = "pga_safe_g lowest_collapse_g pga_collapse_g level_50_g level_84_g"
+BANDS = "resurrections widest_gap"
+POINTS = """record sign pga_g peak_displacement_m residual_displacement_m members members_collapsed collapsed
+time_of_collapse_s"""
+FRAGILITY = """combinations withstood failed median_g median_low_g median_high_g beta beta_low beta_high beta_record
+beta_ensemble"""
 MOVED = "settlement share movement_m"
-LOSS = f"""{MOVED} rule pga_collapse_g dynamic_loss dynamic_loss_low dynamic_loss_high distinguishable left_out
-static_loss"""
-OF_LOSS = ("capacity_loss", "dynamic_loss_low", "dynamic_loss_high", "distinguishable")
+LOST = "dynamic_loss_low dynamic_loss_high distinguishable"
+COUNTED = "rule pga_collapse_g pga_all_collapse_g"
 COUNTS = ("withstood", "failed", "left_out")  # printed where they are not all zero
-OF_ENSEMBLES = ("beta_record", "beta_ensemble")  # of stripes there are none
 
 
 @table("history", HISTORY)
@@ -73,45 +77,115 @@ def motions(results: Results) -> Curves:
         yield (motion.name,), (motion.T_s, motion.S_a_g, motion.S_d_m)
 
 
-@table("incremental", f"state record record_pga_g {VERTICAL} {LEVELS} resurrections widest_gap runs")
+@dataclass(frozen=True)
+class Shaken:
+    """A state that [incremental] or [campaign] has shaken: its fragility and loss, and every record and sign.
+
+    `share` of the movement that `state` is called by, None: a state of the project.
+    """
+
+    state: str
+    share: float | None
+    fit: parts.Fragility
+    loss: parts.Loss | None
+    rows: Sequence[parts.Scanned]
+
+    @property
+    def analysis(self) -> str:
+        """Which of them."""
+        return "incremental" if self.share is None else "campaign"
+
+    @property
+    def place(self) -> Row:
+        """The state in a table of its analysis."""
+        return {"state": self.state} if self.share is None else cells(self.fit, MOVED.split())
+
+
+def shaken(results: Results, analysis: str = "") -> list[Shaken]:
+    """Return every state that was shaken, of one analysis or of both."""
+    found = [
+        Shaken(name, None, fit, each.loss, [row for record in each.records or [] for row in record.signs])
+        for name, each in ((name, state.incremental) for name, state in results.states.items())
+        if (fit := each.fragility)
+    ]
+    campaign = results.campaign
+    of: dict[tuple[str, float], list[parts.Scanned]] = {}
+    for row in campaign.combinations if campaign else ():
+        of.setdefault((row.settlement, row.share), []).append(row)
+    for fit, loss in zip(campaign.fragility, campaign.loss, strict=True) if campaign else ():
+        found.append(Shaken(fit.settlement, fit.share, fit, loss, of.get((fit.settlement, fit.share), [])))
+    return [each for each in found if analysis in ("", each.analysis)]
+
+
+@table("incremental", f"state record record_pga_g {VERTICAL} {LEVELS} {BANDS} runs")
 def incremental(results: Results) -> Found:
-    """List the bracket of the PGA at collapse of every record and state."""
-    for state, found in _incrementals(results):
-        for record in found.records or []:
-            yield {"state": state} | bands(record, record.pga_collapse_g_range), record
+    """List what every record comes to from every state: the levels of its worse sign."""
+    for name, state in results.states.items():
+        for record in state.incremental.records or []:
+            row = next((each for each in record.signs if each.sign == record.sign), record.signs[0])
+            yield {"state": name} | cells(row, LEVELS.split()) | bands(row), record
 
 
 @table(
-    "incremental_states",
-    "state records mean_pga_collapse_g lowest_pga_collapse_g pga_collapse_g pga_all_collapse_g median_g dispersion",
+    "campaign",
+    f"settlement share record sign {LEVELS} pga_all_collapse_g {BANDS} sa_collapse_g time_step_s runs reason",
 )
+def combinations(results: Results) -> Found:
+    """List the levels at which each combination collapses, and why where it was not completed."""
+    return ((bands(row), row) for each in shaken(results, "campaign") for row in each.rows)
+
+
+def _points(results: Results, analysis: str) -> Found:
+    """List every level that was run."""
+    for each in shaken(results, analysis):
+        for row in each.rows:
+            yield from ((each.place | cells(row, ("record", "sign")), point) for point in row.points)
+
+
+def _fragilities(results: Results, analysis: str) -> Iterator[Row]:
+    """List the fragility of every state; the bounds are those of the bootstrap."""
+    for each in shaken(results, analysis):
+        low, high = each.fit.median_range or (None, None)
+        least, most = each.fit.beta_range or (None, None)
+        bounds = {"median_low_g": low, "median_high_g": high, "beta_low": least, "beta_high": most}
+        known = {
+            k: v for k, v in cells(each.fit, FRAGILITY.split()).items() if v is not None or k == "median_g"
+        }
+        yield each.place | known | bounds | counted(each.fit)
+
+
+incremental_points = table("incremental_curves", f"state {POINTS}")(
+    lambda results: _points(results, "incremental")
+)
+campaign_points = table("campaign_curves", f"settlement share {POINTS}")(
+    lambda results: _points(results, "campaign")
+)
+fragilities = table("campaign_fragility", f"{MOVED} {FRAGILITY}")(
+    lambda results: _fragilities(results, "campaign")
+)
+records = table("campaign_records", parts.CampaignRecord)(
+    lambda results: results.campaign.records if results.campaign else []
+)
+
+
+@table("incremental_states", f"state {FRAGILITY} mean_pga_collapse_g lowest_pga_collapse_g {COUNTED}")
 def incremental_states(results: Results) -> Found:
-    """List mean, lowest and, of enough records, the standard's PGA at collapse, and the fragility of every state."""
-    for state, found in _incrementals(results):
-        row: Row = {"state": state, "records": len(found.records or [])}
-        row |= cells(found, ("mean_pga_collapse_g", "lowest_pga_collapse_g"))
-        if found.pga_collapse_g_range:
-            row["pga_all_collapse_g"] = found.pga_collapse_g_range[1]
-        if found.rule:
-            row |= cells(found, ["pga_collapse_g"])
-        yield row | (cells(found.fragility, ("median_g", "dispersion")) if found.fragility else {})
+    """List the fragility of every state, mean and lowest PGA at collapse, and what the standard takes."""
+    for row in _fragilities(results, "incremental"):
+        yield row, results.states[row["state"]].incremental
 
 
-@table(
-    "incremental_curves",
-    "state record pga_g peak_displacement_m members members_collapsed collapsed time_of_collapse_s",
-)
-def incremental_curves(results: Results) -> Found:
-    """List every run of the incremental analysis."""
-    for state, found in _incrementals(results):
-        for record in found.records or []:
-            for point in record.points:
-                yield {"state": state, "record": record.record}, point
+@table("campaign_loss", f"{MOVED} {COUNTED} dynamic_loss {LOST} left_out static_loss")
+def losses(results: Results) -> Found:
+    """List what each movement costs, dynamic beside static, and the PGA that the standard takes."""
+    own = results.campaign.loss if results.campaign else []
+    for each, loss in zip(shaken(results, "campaign"), own, strict=True):
+        yield each.place | counted(each.fit) | lost(loss, "dynamic_loss") | {"static_loss": loss.static}, loss
 
 
 @table(
     "static_dynamic",
-    f"state analysis direction limit_state pga_surface_g over_static level_50_g {' '.join(OF_LOSS)}",
+    f"state analysis direction limit_state pga_surface_g over_static level_50_g capacity_loss {LOST}",
 )
 def static_dynamic(results: Results) -> Found:
     """Set static check, incremental analysis and campaign of each state on one reference: PGA at the surface, F_C = 1.
@@ -121,48 +195,50 @@ def static_dynamic(results: Results) -> Found:
     """
     original, campaign = results.states.get("original"), results.campaign
     for name, state in results.states.items():
-        shaken: list[Row] = []
-        if (found := state.incremental).records is not None:
-            median = found.fragility.median_g if found.fragility else None
-            row = {"analysis": "incremental", "pga_surface_g": found.pga_collapse_g, "level_50_g": median}
-            shaken.append(row | lost(found.loss))
-        for fit, loss in zip(campaign.fragility, campaign.loss, strict=True) if campaign else ():
-            if (fit.settlement, fit.share) == (name, 1.0) or (name, fit.share) == ("original", 0.0):
-                row = {"analysis": "campaign", "pga_surface_g": fit.pga_collapse_g}
-                row |= {"level_50_g": fit.median_g} if campaign and campaign.measure == "PGA" else {}
-                shaken.append(row | lost(loss))
-                break  # of one state, the whole movement or none of it
+        moving: dict[str, Row] = {}  # of one state, the whole movement or none of it
+        for each in shaken(results):
+            same = each.state == name and each.share in (None, 1.0)
+            if each.analysis not in moving and (same or (name, each.share) == ("original", 0.0)):
+                row: Row = {"analysis": each.analysis, "pga_surface_g": each.fit.pga_collapse_g}
+                if each.share is None or (campaign and campaign.measure == "PGA"):
+                    row["level_50_g"] = each.fit.median_g
+                if each.loss is not None and each.loss.dynamic is not None and name != "original":
+                    row |= lost(each.loss, "capacity_loss")
+                moving[each.analysis] = row
         static: list[Row] = []
-        for direction, capacity in state.capacity.items() if shaken else ():
+        for direction, capacity in state.capacity.items() if moving else ():
             before = original.capacity.get(direction) if original else None
             was, now = (each.nominal.pga_g if each and each.nominal else None for each in (before, capacity))
             row = {"analysis": "static_check", "direction": direction, "pga_surface_g": now}
             row["limit_state"] = farthest(capacity.checks)
-            if not state.strengthening:  # whose reduction is not that of a settlement
+            if not state.strengthening and name != "original":  # whose reduction is not that of a settlement
                 row["capacity_loss"] = reduction(was, now)
             static.append(row)
         known = [row["pga_surface_g"] for row in static if row["pga_surface_g"] is not None]
-        gone = OF_LOSS if name == "original" else ()
-        for row in (*static, *shaken):
+        for row in (*static, *moving.values()):
             if known and row.get("pga_surface_g") is not None:
                 row["over_static"] = row["pga_surface_g"] / min(known)
-            yield {"state": name} | {key: value for key, value in row.items() if key not in gone}
+            yield {"state": name} | row
 
 
-def lost(loss: parts.Loss | None) -> Row:
-    """Return the loss of motions, its bounds, and whether it is distinguishable from none."""
-    if loss is None or loss.dynamic is None:
-        return {}
+def lost(loss: parts.Loss, name: str) -> Row:
+    """Return the loss of motions, called by that name, its bounds, and whether it is distinguishable from none."""
     low, high = loss.dynamic_range
-    row: Row = {"capacity_loss": loss.dynamic, "dynamic_loss_low": low, "dynamic_loss_high": high}
+    row: Row = {name: loss.dynamic, "dynamic_loss_low": low, "dynamic_loss_high": high}
     return row | present({"distinguishable": loss.distinguishable})
 
 
-def bands(found: parts.Scanned, range_: parts.Range | None) -> Row:
+def counted(fit: parts.Fragility) -> Row:
+    """Return the PGA that the standard takes, where it does, and from where all levels run collapse."""
+    certain = {"pga_all_collapse_g": range_[1]} if (range_ := fit.pga_collapse_g_range) else {}
+    return (cells(fit, ("rule", "pga_collapse_g")) if fit.rule else {}) | certain
+
+
+def bands(found: parts.Scanned) -> Row:
     """Return levels above the lowest collapse that stand, the widest gap, and from where all levels run collapse."""
     gap = "–".join(f"{level:.3f}" for level in found.widest_gap_g or [] if level is not None)
     stands = "; ".join(f"{level:.3f}" for level in found.resurrections_g)
-    all_collapse = {"pga_all_collapse_g": range_[1]} if range_ else {}
+    all_collapse = {"pga_all_collapse_g": range_[1]} if (range_ := found.pga_collapse_range) else {}
     return {"resurrections": stands, "widest_gap": gap} | all_collapse
 
 
@@ -170,91 +246,29 @@ def _histories(results: Results) -> Iterator[tuple[str, parts.History]]:
     return ((name, entry) for name, state in results.states.items() for entry in state.history)
 
 
-def _incrementals(results: Results) -> Iterator[tuple[str, parts.Incremental]]:
-    for name, state in results.states.items():
-        if state.incremental.records is not None:
-            yield name, state.incremental
-
-
-def reported_campaign(results: Results) -> list[Table]:
+def reported_searches(results: Results) -> list[Table]:
     """Return the tables of the report: without counts that are all zero, and the bounds of β."""
-    gone = OF_ENSEMBLES if results.campaign and results.campaign.method == "stripes" else ()
-    spread, lost = fragilities(results), losses(results)
-    rows = [*spread.rows, *lost.rows]
-    counted = [key for key in COUNTS if not any(each.get(key) for each in rows)]
-    spread = without(spread, "beta_low", "beta_high", "combinations", *gone, *counted)
-    return [records(results), spread, without(lost, "share", *counted)]
-
-
-records = table("campaign_records", parts.CampaignRecord)(
-    lambda results: results.campaign.records if results.campaign else []
-)
-
-
-@table(
-    "campaign",
-    f"settlement share record sign {LEVELS} pga_all_collapse_g resurrections widest_gap sa_collapse_g time_step_s "
-    "runs reason",
-)
-def combinations(results: Results) -> Found:
-    """List the levels at which each combination collapses, and why where it was not completed."""
-    for each in results.campaign.combinations if results.campaign else []:
-        yield bands(each, each.pga_collapse_range), each
-
-
-@table(
-    "campaign_curves",
-    "settlement share record sign pga_g peak_displacement_m residual_displacement_m members members_collapsed "
-    "time_of_collapse_s",
-)
-def campaign_points(results: Results) -> Found:
-    """List every level that was run."""
-    for each in results.campaign.combinations if results.campaign else []:
-        where = cells(each, ("settlement", "share", "record", "sign"))
-        yield from ((where, point) for point in each.points)
-
-
-@table(
-    "campaign_fragility",
-    f"{MOVED} combinations withstood failed median_g median_low_g median_high_g beta beta_low beta_high "
-    "beta_record beta_ensemble",
-)
-def fragilities(results: Results) -> Found:
-    """List the fragility of every movement; the bounds are those of the bootstrap."""
-    for each in results.campaign.fragility if results.campaign else []:
-        low, high = each.median_range or (None, None)
-        least, most = each.beta_range or (None, None)
-        yield {"median_low_g": low, "median_high_g": high, "beta_low": least, "beta_high": most}, each
-
-
-@table("campaign_loss", LOSS)
-def losses(results: Results) -> Found:
-    """List what each movement costs, dynamic beside static, and the PGA that the standard takes."""
-    campaign = results.campaign
-    for each, fit in zip(campaign.loss, campaign.fragility, strict=True) if campaign else ():
-        low, high = each.dynamic_range
-        row: Row = {"dynamic_loss": each.dynamic, "dynamic_loss_low": low, "dynamic_loss_high": high}
-        row |= {"static_loss": each.static} | present({"distinguishable": each.distinguishable})
-        row |= cells(fit, ("rule", "pga_collapse_g")) if fit.rule else {}
-        yield row | cells(each, (*MOVED.split(), "left_out"))
+    found = [incremental_states(results), fragilities(results), losses(results)]
+    gone = [key for key in COUNTS if not any(row.get(key) for each in found for row in each.rows)]
+    gone += ["beta_low", "beta_high", "combinations"]
+    *spread, lost_ones = (without(each, *gone) for each in found)
+    return [records(results), *spread, without(lost_ones, "share")]
 
 
 @table("fragility_measures", "analysis state share measure unit median_of_measure beta_of_measure efficient")
 def measures(results: Results) -> Found:
     """List the fragilities by every measure of intensity; the most efficient one has the least β."""
-    fits: list[tuple[Row, Sequence[parts.MeasureFit]]] = []
-    for name, found in _incrementals(results):
-        if found.fragility:
-            fits.append(({"analysis": "incremental", "state": name}, found.fragility.measures))
-    for number, fit in enumerate(results.campaign.fragility if results.campaign else []):
-        if fit.share > 0.0 or number == 0:
-            place = {"analysis": "campaign", "state": fit.settlement, "share": fit.share}
-            fits.append((place, fit.measures))
-    for place, own in fits:
-        least = min((each.beta for each in own if each.beta is not None), default=None)
-        for each in own:
-            row = place | cells(each, ("measure", "unit")) | {"efficient": each.beta == least}
-            yield row | {"median_of_measure": each.median, "beta_of_measure": each.beta}
+    drawn = False  # of the structure as drawn one of all movements
+    for each in shaken(results):
+        if each.share == 0.0 and drawn:
+            continue
+        drawn = drawn or each.share == 0.0
+        place: Row = {"analysis": each.analysis, "state": each.state}
+        place |= {} if each.share is None else {"share": each.share}
+        least = min((own.beta for own in each.fit.measures if own.beta is not None), default=None)
+        for own in each.fit.measures:
+            row = place | cells(own, ("measure", "unit")) | {"efficient": own.beta == least}
+            yield row | {"median_of_measure": own.median, "beta_of_measure": own.beta}
 
 
 FARTHEST = 5.0  # β above the median: the largest level
@@ -268,19 +282,14 @@ def fragility_model(results: Results) -> bytes | None:
     Mean and standard deviation are those of the measure (g), median · exp(β²/2) and mean · √(exp β² − 1), as OpenQuake
     takes them. A fragility without β, or with one above WIDEST, is left out.
     """
-    fits = [
-        (name, "PGA", x.fragility.median_g, x.fragility.dispersion)
-        for name, x in _incrementals(results)
-        if x.fragility
-    ]
-    moved: list[tuple[str, str, float | None, float | None]] = []
-    if campaign := results.campaign:
-        measure = "PGA" if campaign.measure == "PGA" else f"SA({campaign.period_s:g})"
-        moved = [(f"{x.settlement} {x.share:g}", measure, x.median_g, x.beta) for x in campaign.fragility]
-    functions = []
-    for number, (name, measure, median, beta) in enumerate([*fits, *moved], 1):
+    functions, campaign = [], results.campaign
+    sa = campaign is not None and campaign.measure != "PGA"
+    for number, each in enumerate(shaken(results), 1):
+        median, beta = each.fit.median_g, each.fit.beta
         if median and beta and beta <= WIDEST:
+            name = each.state if each.share is None else f"{each.state} {each.share:g}"
             own = re.sub(r"\W+", "_", f"{number} {name}", flags=re.ASCII)[:LONGEST]
+            measure = f"SA({campaign.period_s:g})" if sa and campaign and each.share is not None else "PGA"
             mean, largest = median * math.exp(0.5 * beta**2), median * math.exp(FARTHEST * beta)
             numbers = {"largest": largest, "mean": mean, "deviation": mean * math.sqrt(math.expm1(beta**2))}
             functions.append({"id": own, "measure": measure} | numbers)

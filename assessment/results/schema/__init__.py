@@ -18,7 +18,7 @@ from assessment.results.schema.static import OtherLaw, Run
 from assessment.results.schema.studies import *
 from mechanics.messages import Message, put_together, taken_apart
 
-FORMAT: Final = 5
+FORMAT: Final = 6
 """Of the file: it changes where a key goes, or gets another meaning."""
 
 
@@ -108,7 +108,7 @@ class StateResults(Part):
 class Results(Part):
     """The whole file."""
 
-    format: Literal[5] = key("format of the file; a file of another one is refused")
+    format: Literal[6] = key("format of the file; a file of another one is refused")
     assesto: str = key("version of the program")
     title: str = key("title of the project")
     summary: Summary = key("what the first page of a report prints")

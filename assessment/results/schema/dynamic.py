@@ -172,13 +172,22 @@ class Counts(Part):
     halvings: int = key("halvings of steps")
 
 
-class Scanned(Part):
-    """What levels of one record show of a state: P(collapse | level).
+class SameAs(Part):
+    """`same_as`: the row that begins in the same state, and was run."""
+
+    sign: int = key("factor on the record; the other one: its mirror image", unit="–")
+    settlement: str | None = optional("of a campaign its movement")
+    share: float | None = optional("of it")
+
+
+class Scanned(OfRecord):
+    """`incremental.records[].signs[]`: what levels of a record of one sign show of a state: P(collapse | level).
 
     Of the lowest bracket, from `pga_safe_g` to `lowest_collapse_g`, P grows from 0 to 1; where the structure stands at
     a higher level again, P is the probit in ln level that is most likely.
     """
 
+    sign: int = key("factor on the record, 1 or −1", "Segno|Sign")
     pga_collapse_g: float | None = key(
         "what counts: P = 16 % in the lowest bracket, or of the probit where that is lower; null: no collapse",
         "PGA al collasso|PGA at collapse",
@@ -204,25 +213,24 @@ class Scanned(Part):
     reason: Sentence | None = key("why there is no answer", "Motivo|Reason")
     notes: list[Sentence] = key("warnings of the motions, each with how many of them have it")
     counts: Counts | None = key("what the motions cost; null: none was run")
+    pga_collapse_range: Range | None = key(
+        "from `pga_collapse_g` to the level from which all levels run collapse; null: not reached", unit="g"
+    )
+    collapsed: list[bool] | None = optional("of stripes: whether a motion collapses, by level")
+    same_as: SameAs | None = optional("where another row has the motions")
 
 
-class SignScan(Scanned):
-    """`signs[]`: one sign of the record."""
-
-    sign: int = key("factor on the record, 1 or −1")
-    same_as: int | None = optional("the sign that was run: of a symmetric structure this is its mirror image")
-
-
-class Search(OfBaseMotion, Scanned):
+class Search(OfBaseMotion):
     """`incremental.records[]`: the PGA at collapse of one record; the numbers are those of the worse sign."""
 
     record_pga_g: float = key("its own PGA", "PGA dell’accelerogramma|PGA of the record", ground="surface")
     sign: int | None = key("the sign that counts: 1, as in the file, or −1; null: not known")
-    pga_collapse_g_range: Range | None = optional(
-        "from `pga_collapse_g` to the level from which all levels run collapse; null: not reached"
-    )
-    signs: list[SignScan] = key("both signs of the record")
-    seconds: float | None = optional("computing time", unit="s")
+    pga_collapse_g: float | None = key("what counts; null: no collapse")
+    pga_collapse_g_range: Range | None = key("as `pga_collapse_range` of the sign")
+    pga_safe_g: float | None = key("largest level run below at which it stands; null: not completed")
+    runs: int = key("motions computed, of both signs")
+    reason: Sentence | None = key("why there is no answer")
+    signs: list[Scanned] = key("both signs of the record")
 
 
 class MeasureFit(Part):
@@ -235,9 +243,20 @@ class MeasureFit(Part):
     beta: float | None = key("standard deviation of its logarithm")
 
 
-class Spread(Part):
-    """How the levels at collapse scatter: lognormal distributions of their median and β."""
+class Fragility(Part):
+    """`incremental.fragility`: how the levels at collapse of a state scatter, a lognormal distribution.
 
+    With it what NTC 2018 §7.3.5 takes of the records, each with its worse sign.
+    """
+
+    combinations: int = key("records and signs", "Combin.")
+    failed: int = key("of these, not completed, in no median", "Non completate|Not completed")
+    withstood: int = key("of these, without collapse: lower bounds", "Sopportate|Withstood")
+    median_g: float | None = key("median of the measure; null: not known", "Mediana|Median", ground="surface")
+    beta: float | None = key(
+        "standard deviation of ln measure: of records and within them; null: fewer than two records collapse",
+        "β", digits=2,
+    )  # fmt: skip
     beta_record: float | None = key("β of 50 % levels of the records", "β accelerogr.|β records", digits=2)
     beta_ensemble: float | None = key(
         "β of the levels of one record, the root of the mean square", "β insieme|β ensemble", digits=2
@@ -246,19 +265,21 @@ class Spread(Part):
     level_84_g: float | None = key("level of which 84 % collapse")
     median_range: Range | None = key("95 % of the bootstrap; null: fewer than three records", unit="g")
     beta_range: Range | None = key("95 % of the bootstrap; null: fewer than three records")
-    band: list[Bound] | None = optional(
+    band: list[Bound] = key(
         "probability, and the 95 % bounds of the level that has it; empty: few records", unit="–, g"
     )
     measures: list[MeasureFit] = key("the same levels by other measures of the records; of stripes none")
-
-
-class Fragility(Spread):
-    """`fragility`: lognormal distribution of the PGA at collapse."""
-
-    median_g: float = key("median")
-    dispersion: float = key("β of ln PGA: of records and within them", "Dispersione β|Dispersion β")
-    records: int = key("records that it is of", "Accelerogrammi|Records")
-    censored: int = key("observations (record and sign) without collapse: lower bounds")
+    rule: str | None = key(
+        "NTC 2018, §7.3.5: the mean of seven records or more, the lowest of three to six; null: fewer, or "
+        "stripes",
+        "Regola, §7.3.5|Rule, §7.3.5",
+    )
+    pga_collapse_g: float | None = key("what counts by it, without a rule the lowest; null: open, or stripes")
+    pga_collapse_g_range: Range | None = key("from it to where all levels run collapse; null: no collapse")
+    directions: dict[str, float | None] = key(
+        "the same of one sign of the records: +x as in the file, −x the other; null: open", unit="g"
+    )
+    d_0_m: float | None = key("least d_0 of the rigid curves of the motions' control point; null: none")
 
 
 class Loss(Part):
@@ -273,23 +294,15 @@ class Loss(Part):
 
 
 class Incremental(Part):
-    """`incremental`: the levels of all records, and what NTC 2018 §7.3.5 takes of them; empty: not asked for."""
+    """`incremental`: the levels of all records from a state, and what they come to; empty: not asked for."""
 
     records: list[Search] | None = optional("the records")
     mean_pga_collapse_g: float | None = optional("mean; null: one is open", "Media|Mean", ground="surface")
     lowest_pga_collapse_g: float | None = optional(
         "lowest of the records; null: an open one may be lower", "Minima|Lowest", ground="surface"
     )
-    rule: str | None = optional(
-        "what counts: the mean of seven records or more, the lowest of three to six; null: fewer, §7.3.5 gives none"
-    )
-    pga_collapse_g: float | None = optional("what counts, without a rule the lowest; null: open")
-    directions: dict[str, float | None] | None = optional(
-        "the same of one sign of the records: +x as in the file, −x the other; null: open", unit="g"
-    )
+    fragility: Fragility | None = optional("distribution, and what counts")
     loss: Loss | None = optional("against the original state, of a settled one as in `campaign.loss`")
-    fragility: Fragility | None = optional("distribution; null: fewer than two records collapse")
-    pga_collapse_g_range: Range | None = optional("from `pga_collapse_g` to where all levels collapse")
 
 
 class CampaignRecord(OfBaseMotion):
@@ -323,42 +336,18 @@ class OfMovement(Part):
     share: float = key("of the movement")
 
 
-class SameAs(OfMovement):
-    """`same_as`: the combination that has the same state, and was run."""
-
-    sign: int = key("factor on the record; the other one: its mirror image", unit="–")
-
-
-class CampaignCombination(OfRecord, OfMovement, Scanned):
+class CampaignCombination(OfMovement, Scanned):
     """`campaign.combinations[]`: a record of one sign from one settled state."""
 
-    sign: int = key("factor on the record, 1 or −1", "Segno|Sign")
-    pga_collapse_range: Range | None = key(
-        "from `pga_collapse_g` to the level from which all levels run collapse; null: not reached", unit="g"
-    )
     sa_collapse_g: float | None = optional(
         "S_a(T) at collapse, where that is the measure", "S_a(T) al collasso|S_a(T) at collapse"
     )
-    collapsed: list[bool] | None = optional("of stripes: whether a motion collapses, by level")
-    all_collapsed: list[bool] | None = optional("of stripes: whether all collapse, by level")
-    same_as: SameAs | None = optional("where another combination has the numbers")
 
 
-class CampaignFragility(OfMovement, Spread):
-    """`campaign.fragility[]`: lognormal distribution of the level at collapse after a movement."""
+class CampaignFragility(OfMovement, Fragility):
+    """`campaign.fragility[]`: the fragility after a movement."""
 
     movement_m: float = key("largest component")
-    combinations: int = key("combinations", "Combin.")
-    failed: int = key("of these, not completed, in no median", "Non completate|Not completed")
-    withstood: int = key("of these, without collapse: lower bounds", "Sopportate|Withstood")
-    median_g: float | None = key("median of the measure; null: not known", "Mediana|Median", ground="surface")
-    beta: float | None = key("standard deviation of ln measure: of records and within them", "β", digits=2)
-    rule: str | None = key(
-        "NTC 2018, §7.3.5: the mean of seven records or more, the lowest of three to six; null: fewer, or "
-        "stripes",
-        "Regola, §7.3.5|Rule, §7.3.5",
-    )
-    pga_collapse_g: float | None = key("what counts by it, the worse sign of each; null: open, or no rule")
 
 
 class CampaignLoss(OfMovement, Loss):
@@ -367,7 +356,6 @@ class CampaignLoss(OfMovement, Loss):
     movement_m: float = key("largest component")
     static: float | None = key("of the static check, weaker direction")
     static_capacity: float | None = key("of `static_quantity`; a_g as a_g S, at the surface", unit="g or –")
-    d_0_m: float | None = optional("least d_0 of the rigid curves of the campaign's control point")
 
 
 class Campaign(Part):

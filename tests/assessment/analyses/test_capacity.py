@@ -96,7 +96,7 @@ def test_static_capacity_is_brought_to_the_reference_of_the_dynamic_one():
     nominal = nominal_check(capacity, demands, Method())
     assert nominal.limit_state == "SLC"
     assert nominal.pga_g == pytest.approx(0.474080, rel=2e-6)
-    shaken = {"records": [], "pga_collapse_g": 0.6}
+    shaken = {"records": [], "fragility": {"pga_collapse_g": 0.6}}
     capacities = {"+x": {"nominal": plain(nominal)}, "-x": {}}
     state = {"pushover": {"+x": {}, "-x": {}}, "incremental": shaken}
     settled = state | {"capacity": capacities}

@@ -129,9 +129,10 @@ def test_incremental_analysis_and_comparison(outcome):
     for each in found.values():
         (record,) = each["records"]
         assert 0.0 < record["pga_collapse_g"] - record["pga_safe_g"] <= 0.1
-        assert each["pga_collapse_g"] == each["mean_pga_collapse_g"] == record["pga_collapse_g"]
+        counts = each["fragility"]["pga_collapse_g"]
+        assert counts == each["mean_pga_collapse_g"] == record["pga_collapse_g"]
     (row,) = plain(outcome.results)["comparison"]
-    before, after = found["original"]["pga_collapse_g"], found["base ruotata 20 mrad"]["pga_collapse_g"]
+    before, after = (found[name]["mean_pga_collapse_g"] for name in ("original", "base ruotata 20 mrad"))
     assert row["dynamic_pga_g"] == after
     assert row["dynamic_reduction"] == pytest.approx(1.0 - after / before)
     assert row["static_pga_g"] is None
@@ -141,7 +142,7 @@ def test_a_history_at_the_bracket_agrees_with_the_search(outcome):
     """The strong history is far above the PGA at collapse, the weak one below."""
     weak, strong = plain(outcome.results)["states"]["original"]["history"]
     found = plain(outcome.results)["states"]["original"]["incremental"]
-    assert weak["pga_g"] < found["pga_collapse_g"] < strong["pga_g"]
+    assert weak["pga_g"] < found["mean_pga_collapse_g"] < strong["pga_g"]
 
 
 def test_figures_tables_and_report(outcome, tmp_path):
@@ -449,7 +450,7 @@ def test_a_failed_history_makes_the_run_incomplete_and_keeps_the_rest(tmp_path, 
     outcome = run(project, build_model(project), jobs=1)
     assert not outcome.complete
     assert outcome.results.states["original"].history[0].reason == "step 3: no solution"
-    assert outcome.results.states["original"].incremental.pga_collapse_g is None
+    assert outcome.results.states["original"].incremental.fragility.pga_collapse_g is None
     assert outcome.results.states[project.states[1]].pushdown["rigid"].movement_m
 
 

@@ -1,83 +1,106 @@
 """Incremental dynamic analysis: what records and signs come to, at which time steps, and what is shared."""
 
+import math
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from assessment.analyses.scan import Reach
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.results.schema.dynamic import Search, SignScan
+from assessment.results.schema.dynamic import Fragility, Scanned
 from assessment.results.schema.part import plain
 from assessment.runtime.cache import Store
-from assessment.studies.searches import summarise
+from assessment.studies.record_set import UNITS, Measures
+from assessment.studies.scans import Asked, Place, Scans
+from assessment.studies.searches import Searches, findings, standard_of
+from assessment.studies.variants import Study
 from assessment.workflow.stages import run
+from mechanics.messages import message
 from tests.support.block_project import TURNED, block, write_block
 from tests.support.campaign_project import SEARCHES
 from tests.support.typed import made
 
 
-def _record(collapse, safe=None, **more):
-    numbers = {
-        "pga_collapse_g": collapse,
-        "pga_safe_g": collapse if safe is None else safe,
-        "level_50_g": collapse,
-    }
-    name = more.pop("record", f"{collapse} {safe}")
-    sign = made(SignScan, numbers | {"sign": 1})
-    return made(Search, numbers | {"record": name, "signs": [sign]} | more)
+def _row(collapse, safe=None, **more):
+    numbers = dict.fromkeys(("pga_collapse_g", "level_50_g", "lowest_collapse_g"), collapse)
+    numbers |= {"pga_safe_g": collapse if safe is None else safe, "sign": 1}
+    return made(
+        Scanned,
+        numbers | {"record": f"{collapse} {safe}"} | more,
+    )
+
+
+def _fragility(rows, stage="incremental"):
+    """The fragility of rows of one state, by the estimator of [incremental] and [campaign]."""
+    place = Place(message("{state}", state="original"), "", None, None, None, None)
+    asked = [
+        Asked(
+            SimpleNamespace(start=None, motion=SimpleNamespace(name=row.record)),
+            row.sign,
+            row.sign,
+            Reach(5.0),
+            state=place,
+        )
+        for row in rows
+    ]
+    over_pga = {row.record: dict.fromkeys(UNITS, 1.0) for row in rows}
+    searches = Searches(stage, asked, Scans(None, None), Study(), Measures(1.0, over_pga))
+    fit = searches.fragility(Fragility, place, rows)
+    return fit, [*findings(searches, len({row.record for row in rows}), [(place, fit, None)])]
 
 
 def test_what_the_standard_takes_of_the_records():
     levels = [0.30, 0.36, 0.42, 0.33, 0.39, 0.35, 0.37]
     for count, rule, value in ((3, "lowest", 0.30), (6, "lowest", 0.30), (7, "mean", np.mean(levels))):
-        warnings = []
-        found = summarise([_record(level) for level in levels[:count]], warnings, "original")
+        rows = [_row(level) for level in levels[:count]]
+        found, warnings = _fragility(rows)
         assert (found.rule, found.pga_collapse_g) == (rule, pytest.approx(value))
-        assert found.mean_pga_collapse_g == pytest.approx(np.mean(levels[:count]))
+        assert standard_of(rows).mean == pytest.approx(np.mean(levels[:count]))
         assert warnings == []
 
 
 @pytest.mark.parametrize("levels", [[0.33], [0.3, 0.4]])
 def test_of_fewer_than_three_records_the_standard_takes_nothing(levels):
-    """The lowest of two records was printed as the PGA of §7.3.5."""
-    warnings = []
-    found = summarise([_record(level) for level in levels], warnings, "original")
+    """The lowest of two records was printed as the PGA of §7.3.5; of one record there was a scatter."""
+    found, warnings = _fragility([_row(level) for level in levels])
     assert (found.rule, found.pga_collapse_g) == (None, min(levels))
-    assert found.mean_pga_collapse_g == pytest.approx(np.mean(levels))
+    assert found.median_g == pytest.approx(math.exp(np.mean(np.log(levels))))
+    assert (found.beta is None) == (len(levels) == 1) and found.median_range is None
     assert len(warnings) == 1 and "at least 3" in warnings[0]
 
 
 def test_the_range_of_a_state_is_that_of_what_the_standard_takes():
-    records = [_record(low, pga_collapse_g_range=[low, high]) for low, high in ((0.3, 0.5), (0.4, 0.4))]
-    assert summarise(records, [], "original").pga_collapse_g_range == [0.3, 0.4]
-    seven = [_record(0.3, record=f"{k}", pga_collapse_g_range=[0.3, 0.4]) for k in range(7)]
-    assert summarise(seven, [], "original").pga_collapse_g_range == pytest.approx([0.3, 0.4])
-    seven[0] = _record(0.3, record="0", pga_collapse_g_range=[0.3, None])
-    assert summarise(seven, [], "original").pga_collapse_g_range[1] is None
-    assert summarise([_record(0.3)], [], "original").pga_collapse_g_range is None
+    rows = [_row(low, pga_collapse_range=[low, high]) for low, high in ((0.3, 0.5), (0.4, 0.4))]
+    assert _fragility(rows)[0].pga_collapse_g_range == [0.3, 0.4]
+    seven = [_row(0.3, record=f"{k}", pga_collapse_range=[0.3, 0.4]) for k in range(7)]
+    assert _fragility(seven)[0].pga_collapse_g_range == pytest.approx([0.3, 0.4])
+    seven[0] = _row(0.3, record="0", pga_collapse_range=[0.3, None])
+    assert _fragility(seven)[0].pga_collapse_g_range[1] is None
+    assert _fragility([_row(0.3)])[0].pga_collapse_g_range is None
 
 
 def test_records_without_collapse_leave_the_mean_open_and_the_lowest_where_they_cannot_be_lower():
-    found = summarise([_record(0.30), _record(0.40), _record(None, 0.9)], [], "original")
-    assert found.mean_pga_collapse_g is None
+    rows = [_row(0.30), _row(0.40), _row(None, 0.9)]
+    found, warnings = _fragility(rows)
+    assert standard_of(rows).mean is None
     assert found.pga_collapse_g == 0.30
-    assert found.fragility.censored == 1
-    assert summarise([_record(0.30), _record(0.40), _record(None, 0.2)], [], "s").pga_collapse_g is None
-    never = _record(None, signs=[made(SignScan, {"sign": 1, "pga_safe_g": None})])
-    never = never.replace(pga_safe_g=None)
-    found = summarise([_record(0.30), _record(0.40), never], [], "s")
+    assert found.withstood == 1 and "count as lower" in warnings[0]
+    assert _fragility([_row(0.30), _row(0.40), _row(None, 0.2)])[0].pga_collapse_g is None
+
+
+def test_a_record_that_was_not_completed_decides_nothing_and_is_in_no_median():
+    never = _row(None, record="c", pga_safe_g=None, reason="not solved")
+    found, warnings = _fragility([_row(0.30), _row(0.40), never])
     assert found.pga_collapse_g is None
-    assert found.fragility is None
+    assert found.median_g == pytest.approx(math.sqrt(0.12)) and found.failed == 1
+    assert "1 of 3 combinations could not be completed" in warnings[0]
 
 
 def test_each_direction_has_its_own_sign_and_the_worse_one_counts():
-    both = [
-        made(
-            SignScan, {"sign": sign, "pga_collapse_g": level, "pga_safe_g": 0.9 * level, "level_50_g": level}
-        )
-        for sign, level in ((1, 0.4), (-1, 0.3))
-    ]
-    records = [_record(0.3, record=f"{k}", signs=both) for k in range(3)]
-    found = summarise(records, [], "original")
+    rows = [_row(level, record=f"{k}", sign=sign) for k in range(3) for sign, level in ((1, 0.4), (-1, 0.3))]
+    found, _ = _fragility(rows)
     assert found.directions == {"+x": 0.4, "-x": 0.3} and found.pga_collapse_g == 0.3
 
 
@@ -142,8 +165,9 @@ def test_the_time_step_is_halved_over_all_levels_and_the_finest_counts(project):
     for row in rows:
         assert len(row["levels"]["pga_collapse_g"]) == row["halvings"] + 1 >= 3
     [record] = fine["states"]["original"]["incremental"]["records"]
-    assert record["time_step_s"] <= 0.005
-    lowest, points = record["lowest_collapse_g"], record["signs"][0]["points"] or record["points"]
+    worse = next(each for each in record["signs"] if each["sign"] == record["sign"])
+    assert worse["time_step_s"] <= 0.005
+    lowest, points = worse["lowest_collapse_g"], worse["points"]
     assert sum(0.7 * lowest <= point["pga_g"] < lowest for point in points) >= 7
 
 
@@ -160,4 +184,6 @@ def test_a_state_that_was_not_reached_has_the_reason(project):
     )
     found = plain(run(far, build_model(far), 1).results)["states"]["base turned"]["incremental"]
     assert all(each["pga_collapse_g"] is None and each["reason"] for each in found["records"])
-    assert all(each["runs"] == 0 for each in found["records"]) and found["pga_collapse_g"] is None
+    assert (
+        all(each["runs"] == 0 for each in found["records"]) and found["fragility"]["pga_collapse_g"] is None
+    )

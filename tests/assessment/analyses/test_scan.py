@@ -16,7 +16,6 @@ from assessment.analyses.scan import CERTAIN, CLOSEST, DOWN, SPACING, Reach, sca
 from assessment.analyses.time_history import Setting, Shaking
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, MotionTable
-from assessment.studies.scans import observed_in
 from mechanics import Assembly, Block, ConvergenceError, Material
 from mechanics.messages import message
 from mechanics.records.record import Record
@@ -243,9 +242,7 @@ def test_the_band_below_the_collapse_that_a_search_would_meet_first_is_found():
         MotionTable(contacts="elastic", damping_ratio=0.05), ControlTable(name="c", point_m=(0.0, 2.3))
     )
     reach, single = Reach(5.0), Scatter(1, 0.05)
-    seen = observed_in(
-        scan(Shaking(model, motion.at_half_step(), setting, model.initial), single, reach, 0.55)
-    )
+    seen = scan(Shaking(model, motion.at_half_step(), setting, model.initial), single, reach, 0.55).seen
     assert 0.50 < seen.lowest < 0.53
     assert seen.capacity < 1.02 * 0.505
 
@@ -263,7 +260,7 @@ def test_levels_of_a_rocking_block_carry_what_their_motions_came_to():
     share = 1.0 / (2.0 * (math.cosh(0.5 * p) - 1.0))
     # cosh(p t) = 1 + 1/(2k(k − 1)), k = a/(g α) (slender rigid block); α as its tangent, 5 %
     expected = (1.0 + math.sqrt(1.0 + 4.0 * share)) / 2.0 * 0.6 / 4.2
-    seen = observed_in(found)
+    seen = found.seen
     assert seen.lowest == pytest.approx(expected, rel=0.05)
     assert found.counts.motions == len(found.points) and found.counts.steps > 0 and found.worst < 1e-6
     assert all((point.peak_displacement_m is None) == point.collapsed for point in found.points)
@@ -294,7 +291,7 @@ def test_a_motion_that_is_not_solved_counts_as_a_collapse_and_is_told(monkeypatc
     assert len(others) >= CERTAIN + 5 and all(others.get(p.pga_g, p) == p for p in whole.points)
     [note] = [note for note in found.notes if "not known" in note]
     assert "not solved" in note and "non è noto" in in_italian(note)
-    assert observed_in(found).lowest == lost < observed_in(whole).lowest
+    assert found.seen.lowest == lost < whole.seen.lowest
 
     two = (lost, 1.5 * lost)
     stripes = scan(

@@ -10,9 +10,9 @@ import pytest
 from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.chapters.synthesis import lead
 from assessment.report.document import render_html
-from assessment.report.figures.motions import draw_campaign_curves
+from assessment.report.figures.motions import draw_ida
 from assessment.report.language import words_of
-from assessment.report.tables.dynamic import fragility_model, static_dynamic
+from assessment.report.tables.dynamic import fragility_model, shaken, static_dynamic
 from tests.support.judgement.claims import hold
 from tests.support.pictured import draw_sections
 from tests.support.results_example import SETTLED, results_example
@@ -50,7 +50,8 @@ def fit(settlement: str, share: float, own: list[dict]) -> dict:
         "withstood": 0, "median_g": median, "median_range": [0.9 * median, 1.1 * median], "beta": beta,
         "beta_range": [0.5 * beta, 1.5 * beta], "beta_record": beta, "beta_ensemble": 0.0, "measures": [],
         "level_16_g": median * math.exp(-beta), "level_84_g": median * math.exp(beta), "rule": "lowest",
-        "pga_collapse_g": min(row["pga_collapse_g"] for row in own),
+        "pga_collapse_g": min(row["pga_collapse_g"] for row in own), "pga_collapse_g_range": None, "directions": {},
+        "band": [], "d_0_m": None,
     }  # fmt: skip
 
 
@@ -92,8 +93,8 @@ def test_each_record_and_sign_has_its_curve_to_the_highest_level_withstood_and_a
     results["campaign"]["combinations"][0]["points"].insert(3, results["campaign"]["combinations"][0]["points"][1] | {
         "pga_g": 0.35})  # fmt: skip
     results["campaign"]["combinations"][0]["resurrections_g"] = [0.35]
-    results["campaign"]["loss"][2]["d_0_m"] = 0.0418
-    figure = draw_campaign_curves(typed(results), words_of(typed(results)), SETTLED)
+    results["campaign"]["fragility"][2]["d_0_m"] = 0.0418
+    figure = draw_ida(typed(results), words_of(typed(results)), shaken(typed(results)))
     panels = [axes for axes in figure.axes if axes.axison and axes.get_title()]
     assert len(panels) == len(SHARES)
     for axes, share, fit in zip(panels, SHARES, results["campaign"]["fragility"], strict=True):
@@ -125,7 +126,7 @@ def test_the_chapter_shows_tables_figures_and_what_was_not_completed(method, tmp
         campaign |= {"method": method, "levels_g": [0.2, 0.4]}
         for row in campaign["combinations"]:
             fallen = [row["pga_collapse_g"] <= level for level in (0.2, 0.4)]
-            row |= {"collapsed": fallen, "all_collapsed": fallen}
+            row |= {"collapsed": fallen}
         for row in campaign["fragility"]:
             row |= {"rule": None, "pga_collapse_g": None}
     words = words_of(typed(results))
@@ -208,6 +209,7 @@ def test_identifiers_of_fragilities_are_ascii_and_differ_and_wide_ones_are_left_
     names = ["metà", "met_", "met ", "wide " * 20]
     content["campaign"]["fragility"] = [rows[-1] | {"settlement": name} for name in names]
     content["campaign"]["fragility"].append(rows[-1] | {"settlement": "wide", "beta": 49.0})
+    content["campaign"]["loss"] = content["campaign"]["loss"][-1:] * 5
     found = ElementTree.fromstring(fragility_model(typed(content))).findall(".//{*}fragilityFunction")
     ids = [each.get("id") for each in found]
     assert not any(each.endswith("_wide_1") for each in ids) and len(set(ids)) == len(ids) >= len(names)

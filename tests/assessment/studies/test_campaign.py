@@ -16,9 +16,9 @@ from assessment.results.schema.dynamic import CampaignCombination, Level
 from assessment.results.schema.part import plain
 from assessment.runtime.cache import Store
 from assessment.runtime.progress import Show
-from assessment.studies import campaign as stage
+from assessment.studies import record_set
 from assessment.studies.scans import Asked, Scans
-from assessment.studies.searches import loss_of, standard_of
+from assessment.studies.searches import Searches, standard_of
 from assessment.studies.variants import Study
 from assessment.workflow.stages import run as workflow
 from mechanics.messages import message
@@ -37,11 +37,11 @@ def test_the_standard_takes_the_worse_sign_the_lowest_of_three_and_the_mean_of_s
     levels = [0.30, 0.36, 0.42, 0.33, 0.39, 0.35, 0.37]
     both = [row(f"{k}", level + extra, sign=sign) for k, level in enumerate(levels)
             for sign, extra in ((1, 0.0), (-1, 0.1))]  # fmt: skip
-    three, seven = (standard_of([(each.record, each) for each in both[: 2 * count]]) for count in (3, 7))
+    three, seven = (standard_of(both[: 2 * count]) for count in (3, 7))
     assert (three.rule, three.pga) == ("lowest", 0.30)
     assert (seven.rule, seven.pga) == ("mean", pytest.approx(np.mean(levels)))
     failed = [*both[:6], row("d", 0.2), row("d", None, safe=None, sign=-1, reason="not solved")]
-    assert standard_of([(each.record, each) for each in failed]).pga is None
+    assert standard_of(failed).pga is None
 
 
 class Levels:
@@ -62,7 +62,7 @@ class Levels:
         for state, levels in ((self.before, before), (self.after, after)):
             for record, level in levels.items():
                 shaking = SimpleNamespace(start=None, motion=SimpleNamespace(name=record))
-                asked = Asked(shaking, 1, 1, Reach(5.0), state=state)
+                asked = Asked(shaking, 1, 1, Reach(5.0), state)
                 asked.__dict__["key"] = f"{record} {state.share}"
                 self.combinations.append(asked)
                 runs = [(0.9, False)]
@@ -72,14 +72,15 @@ class Levels:
                 points = [made(Level, {"pga_g": pga, "collapsed": fell}) for pga, fell in runs]
                 self.scans.found[asked.key] = {0: Scan(points)}
 
-    def loss(self):
-        return loss_of(self.after, self.before, self.combinations, self.scans, None)
+    def loss(self, levels=()):
+        searches = Searches("campaign", self.combinations, self.scans, Study(), None, levels)
+        return searches.loss(self.after, self.before)
 
 
 def test_losses_are_those_of_each_record_by_itself():
     before = {"a": 0.2, "b": 0.4, "c": 0.8}
     found = Levels(before, {"a": 0.1, "b": 0.36, "c": 0.6}).loss()
-    assert found.dynamic == pytest.approx(0.25, rel=1e-3) and found.static == pytest.approx(0.2)
+    assert found.dynamic == pytest.approx(0.25, rel=1e-3)
     low, high = found.dynamic_range
     assert 0.09 < low < 0.12 and 0.45 < high < 0.52 and found.distinguishable is True
     stood = Levels(before, {"a": 0.1, "b": None, "c": 0.6}).loss()
@@ -126,7 +127,7 @@ def test_the_loss_of_stripes_is_known_where_both_medians_are(before, after, loss
         fell = before if asked.state is levels.before else after
         points = [{"pga_g": g, "members": 1, "members_collapsed": n} for g, n in zip(at, fell, strict=True)]
         levels.scans.found[asked.key] = {0: Scan([made(Level, each) for each in points])}
-    found = loss_of(levels.after, levels.before, levels.combinations, levels.scans, at)
+    found = levels.loss(at)
     assert found.dynamic == (loss and pytest.approx(loss))
     assert found.dynamic_range == ([pytest.approx(loss)] * 2 if loss else [None, None])
 
@@ -295,7 +296,7 @@ def made_record(spectrum, seed) -> Record:
 
 
 def test_records_are_made_to_the_spectrum_of_the_site(block, monkeypatch):
-    monkeypatch.setattr(stage.demand, "made_record", made_record)
+    monkeypatch.setattr(record_set, "made_record", made_record)
     edit(block, 'records = ["wave*.csv"]', 'records = "generate:3"')
     edit(block, "tolerance = 0.2", 'method = "stripes"\nlevels_g = [0.01]\nspectrum_compatible = true')
     assert run(block, "--only", "campaign", "--jobs", "1") == 0
@@ -354,7 +355,7 @@ def test_wrong_input_is_refused_by_key(block, capsys, old, new, text):
 def test_the_time_step_is_halved_as_often_as_the_mean_of_the_levels_needs(levels, halvings):
     scans, asked = Scans(SimpleNamespace(accuracy="standard"), None), []
     for k, by_step in enumerate(levels):
-        asked.append(Asked(SimpleNamespace(start=None), 1, 1, Reach(5.0)))
+        asked.append(Asked(SimpleNamespace(start=None), 1, 1, Reach(5.0), None))
         asked[-1].__dict__["key"] = str(k)
         scans.found[str(k)] = {
             n: Scan([made(Level, {"pga_g": level or 0.9, "collapsed": level is not None})])
@@ -371,7 +372,7 @@ def test_elastic_joints_without_damping_are_warned_of(monkeypatch, contacts, dam
     monkeypatch.setattr(Scans, "run", lambda *arguments: None)
     table = SimpleNamespace(contacts=contacts, damping_ratio=damping, integrator="second-order")
     study = Study()
-    asked = Asked(SimpleNamespace(start=None, setting=SimpleNamespace(table=table)), 1, 1, Reach(5.0))
+    asked = Asked(SimpleNamespace(start=None, setting=SimpleNamespace(table=table)), 1, 1, Reach(5.0), None)
     asked.__dict__["key"] = ""
     Scans(SimpleNamespace(accuracy="fast"), None).settle("campaign", [asked], False, study)
     assert [
@@ -395,7 +396,7 @@ def test_the_time_step_is_judged_where_records_collapse(monkeypatch, order):
     scans, asked = Scans(SimpleNamespace(accuracy="fast"), None), []
     for record in order:
         asked.append(
-            Asked(SimpleNamespace(start=None, setting=SimpleNamespace(table=table)), 1, 1, Reach(5.0))
+            Asked(SimpleNamespace(start=None, setting=SimpleNamespace(table=table)), 1, 1, Reach(5.0), None)
         )
         asked[-1].__dict__["key"] = record
     scans.settle("incremental", asked, True, Study())

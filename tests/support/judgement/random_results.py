@@ -74,7 +74,7 @@ def random_results(draw):
         }
         collapse = draw(st.one_of(st.none(), st.floats(0.01, 0.3)))
         content["incremental"] = (
-            {"pga_collapse_g": collapse, "records": [], "fragility": None} if collapse else {}
+            {"records": [], "fragility": {"pga_collapse_g": collapse}} if collapse else {}
         )
         content["history"] = []
         if name != "original":

@@ -279,6 +279,6 @@ def test_motions_alone_have_no_governing_curve_and_their_few_records_are_told():
     results["echo"] |= {"scatter": 5}
     assert scatter in " ".join(map(plain_text, basis(typed(results), WORDS)))
     results["echo"] |= {"pushover": None, "assessment": None}
-    results["states"]["original"]["incremental"] = {"records": [], "rule": None}
+    results["states"]["original"]["incremental"] = {"records": [], "fragility": {"rule": None}}
     said = " ".join(map(plain_text, basis(typed(results), WORDS)))
     assert scatter not in said and "Fewer than three records" in said
