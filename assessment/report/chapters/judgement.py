@@ -19,11 +19,12 @@ from assessment.report.chapters.remarks import SCHOOL, agreement, used_as
 from assessment.report.chapters.synthesis import lead, synthesis_grid
 from assessment.report.language import Words, check_name, plain_text
 from assessment.report.tables import capacities, moves
+from assessment.report.tables.dynamic import shaken
 from assessment.report.tables.mechanisms import balance
 from assessment.report.tables.structure import tensions
 from assessment.report.tables.studies import bars
 from assessment.results.hand_check import hand_checks
-from assessment.results.schema import Results, present
+from assessment.results.schema import Results, known, present
 from assessment.results.summary import best_of, determined_indices, fits, movement_text, settlement_lines
 from assessment.results.table import among_known, compared, reference_of
 from assessment.runtime.errors import ProjectError
@@ -112,24 +113,19 @@ def _found(results: Results, words: Words) -> Iterator[Markup]:
 
 def _campaign(results: Results, words: Words) -> Iterator[Markup]:
     """Yield of each movement in full the medians before and after, and its loss beside the static one."""
-    campaign = results.campaign
-    if campaign is None:
-        return
-    before = {fit.settlement: fit.median_g for fit in campaign.fragility if fit.share == 0.0}
-    rows = list(zip(campaign.fragility, campaign.loss, strict=True))
-    for settlement in dict.fromkeys(fit.settlement for fit, _ in rows):
-        own = [row for row in rows if row[0].settlement == settlement]
-        fit, loss = max(own, key=lambda row: row[0].share)
-        was = before.get(settlement)
-        if fit.share == 0.0 or was is None or fit.median_g is None or loss.dynamic is None:
+    found = shaken(results, "campaign")  # shares in their order
+    before = {each.state: each.fit.median_g for each in found if each.share == 0.0}
+    for settlement, each in {each.state: each for each in found}.items():
+        after, loss, was = each.fit.median_g, known(each.loss), before.get(settlement)
+        if not each.share or was is None or after is None or loss.dynamic is None:
             continue
-        indistinct, pair = loss.distinguishable is False, (loss.dynamic, loss.static or 0.0)
+        indistinct, pair = loss.distinguishable is False, (loss.dynamic, each.static_loss or 0.0)
         # one a gain, both of them more than nothing as they are printed
         opposed = pair[0] * pair[1] < 0.0 and min(map(abs, pair)) >= ONE_PER_CENT and not indistinct
-        kind = "alone" if loss.static is None else "opposed" if opposed else "beside"
-        measure = "PGA" if campaign.measure == "PGA" else words.plain("judgement.campaign_sa")
-        what = {"settlement": settlement, "share": words.comma(f"{100.0 * fit.share:g}"), "measure": measure}
-        numbers = {"before": was, "after": fit.median_g, "dynamic": pair[0], "static": pair[1]}
+        kind = "alone" if each.static_loss is None else "opposed" if opposed else "beside"
+        measure = "PGA" if each.by_pga else words.plain("judgement.campaign_sa")
+        what = {"settlement": settlement, "share": words.comma(f"{100.0 * each.share:g}"), "measure": measure}
+        numbers = {"before": was, "after": after, "dynamic": pair[0], "static": pair[1]}
         yield words(f"judgement.campaign_{kind}", **what, **numbers)
         if indistinct:
             low, high = loss.dynamic_range

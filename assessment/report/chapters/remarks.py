@@ -53,11 +53,11 @@ def members(results: Results) -> int:
 
 def few_records(results: Results) -> dict[str, bool]:
     """Return where fewer records than NTC 2018, §7.3.5, asks for leave something out, by what it is left out of."""
-    campaign = results.campaign
-    rows = campaign.fragility if campaign else []
+    moved = shaken(results, "campaign")
+    searched = [each for each in moved if each.campaign and each.campaign.method == "incremental"]
     return {
-        "campaign": bool(campaign and campaign.method == "incremental") and any(not fit.rule for fit in rows),
-        "interval": any(fit.median_g is not None and fit.median_range is None for fit in rows),
+        "campaign": any(not each.fit.rule for each in searched),
+        "interval": any(each.fit.median_g is not None and each.fit.median_range is None for each in moved),
         "incremental": any(not each.fit.rule for each in shaken(results, "incremental")),
     }
 

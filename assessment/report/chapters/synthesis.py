@@ -8,12 +8,13 @@ from assessment.ntc.tables import INDEXED, LINEAR, USE_COEFFICIENT, return_perio
 from assessment.report.chapters.grids import Grid, grid
 from assessment.report.chapters.remarks import few_records
 from assessment.report.language import Words, direction_name, indexed, label, written
+from assessment.report.tables.dynamic import shaken
 from assessment.report.tables.mechanisms import mechanism_name
 from assessment.report.tables.structure import bounded, edge_pressures
 from assessment.results import summary
 from assessment.results.hand_check import governing_view, rigid_push
-from assessment.results.schema import Results, SummaryCheck, SummaryRow, known, present
-from assessment.results.table import ORIGINAL, Row, Table
+from assessment.results.schema import Part, Results, SummaryCheck, SummaryRow, known, present
+from assessment.results.table import ORIGINAL, Row, Table, reduction
 
 QUALITY_ANNEX = "D"  # of the report: where warnings are listed
 LISTED = ("alpha_0", "d_0_m", "alpha_u", "static_pga_g", "dynamic_pga_g")
@@ -42,10 +43,8 @@ def lead(results: Results, words: Words) -> list[Markup]:
         static = row.static_nominal_pga_g
         key = f"synthesis.dynamic{'' if static is None else '_static'}"
         sentences.append(words(key, dynamic=dynamic, static=static))
-    found = [results.states[worst].incremental.loss] if worst in results.states else []
-    moved = results.campaign.loss if results.campaign else []
-    found += [each for each in moved if (each.settlement, each.share) == (worst, 1.0)]
-    loss = next(filter(None, found), None)
+    moved = (each.loss for each in shaken(results) if each.state == worst and each.share in (None, 1.0))
+    loss = next(filter(None, moved), None)
     if loss is not None and loss.dynamic is not None and None not in loss.dynamic_range:
         low, high = loss.dynamic_range
         kind = "loss_indistinct" if loss.distinguishable is False else "dynamic_loss"
@@ -90,8 +89,8 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
     return said + Markup.escape(f". {outcome}" if outcome else ".")
 
 
-def _kind(check: SummaryCheck | None, words: Words) -> str:
-    return words.plain(f"value.{'linear' if check and check.check in LINEAR else 'pushover'}")
+def _kind(check: Part | None, words: Words) -> str:
+    return words.plain(f"value.{'linear' if getattr(check, 'check', '') in LINEAR else 'pushover'}")
 
 
 def _outcome(results: Results, name: str, words: Words) -> str:
@@ -119,34 +118,48 @@ def _outcome(results: Results, name: str, words: Words) -> str:
 def _strengthened(results: Results, name: str, words: Words) -> Markup:
     """Return a sentence on what an intervention gives back, in the direction in which it found the structure weakest.
 
-    Where the structure is now weakest in another direction, the index there is given too.
+    That is of the index, without checks of the multiplier. Where the structure is now weakest in another direction, the
+    value there is given too; where the motions say the opposite, they are told.
     """
-    limit = summary.index_limit(results)
-    before = summary.least_row(results, known(results.states[name].strengthening).of)
-    row = next(
-        (row for row in summary.rows_of(results, name) if before and row.direction == before.direction), None
-    )
-    was, check = (summary.index_of(each, limit) if each else None for each in (before, row))
-    if row is None or was is None or check is None:
+    limit, of = summary.index_limit(results), known(results.states[name].strengthening).of
+    before = summary.least_row(results, of)
+    rows = {at.direction: at for at in summary.rows_of(results, name)}
+    if before is None or (row := rows.get(before.direction)) is None:
         return Markup("")
+    quantity = "zeta_E" if limit else "alpha_u" if before.alpha_0 is None else "alpha_0"
 
-    def where(each: SummaryRow) -> str:
-        return f"{limit}, {direction_name(each.direction or '')}"
+    def part(at: SummaryRow) -> Part | None:
+        if limit:
+            return summary.index_of(at, limit)
+        pushed = results.states[at.state].pushover.get(known(at.direction))
+        return pushed and (pushed.elastic if before.alpha_0 is None else pushed.rigid)
 
-    if check.gain is None:  # one index is of a linear check, one is not
-        key = "synthesis.strengthened_by"
-    else:
-        key = (
-            "synthesis.strengthened" if summary.apart(was, check, "zeta_E") else "synthesis.strengthened_same"
-        )
-    numbers = {"before": was.zeta_E, "after": check.zeta_E, "gain": check.gain}
-    kinds = {"kind": _kind(check, words), "kind_before": _kind(was, words)}
-    least, now_least = known(summary.least_row(results, name)), Markup("")
+    def where(at: SummaryRow) -> str:
+        return ", ".join(filter(None, (limit, direction_name(at.direction or ""))))
+
+    was, now = part(before), part(row)
+    if was is None or now is None or not (one := getattr(was, quantity)):
+        return Markup("")
+    after, least, now_least = getattr(now, quantity), known(summary.least_row(results, name)), Markup("")
+    gain = now.gain if isinstance(now, SummaryCheck) else after / one - 1.0
+    distinct = gain is not None and summary.apart(was, now, quantity)
+    key = "_by" if gain is None else "" if distinct else "_same"  # of a linear check and one that is not
+    change = words(f"synthesis.{'more' if (gain or 0.0) >= 0.0 else 'loss'}", gain=gain, share=-(gain or 0.0))
     if least is not row:
-        ratio = known(summary.index_of(least, limit)).zeta_E
-        now_least = words("synthesis.strengthened_least", least=ratio, where=where(least))
-    outcome = _outcome(results, name, words)
-    return words(key, state=name, where=where(row), outcome=outcome, least=now_least, **numbers, **kinds)
+        shown = written(quantity, getattr(part(least), quantity), words)
+        now_least = words("synthesis.strengthened_least", least=shown, where=where(least))
+    ends = {"before": written(quantity, one, words), "after": written(quantity, after, words)}
+    kinds = {"kind": _kind(now, words), "kind_before": _kind(was, words)}
+    what = {"symbol": indexed(label(quantity, words)), "change": change, "least": now_least} | kinds
+    said = words(f"synthesis.strengthened{key}", state=name, where=where(row), **ends, **what)
+    if limit:
+        said += Markup.escape(f" {_outcome(results, name, words)}")
+    shook, shakes = (results.states[state].incremental.fragility for state in (of, name))
+    if distinct and shook and shakes and summary.apart(shook, shakes, "pga_collapse_g"):
+        one, after = shook.pga_collapse_g, shakes.pga_collapse_g
+        if (reduction(one, after) or 0.0) * (gain or 0.0) > 0.0:  # one gains where the other loses
+            said += Markup(" ") + words("synthesis.strengthened_opposed", before=one, after=after)
+    return said
 
 
 def synthesis_grid(results: Results, words: Words) -> Grid | None:

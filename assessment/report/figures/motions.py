@@ -117,9 +117,9 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
 
 
 def _title(each: Shaken, words: Words) -> str:
-    if each.share is None or each.share == 0.0:
-        return words.state(each.state if each.share is None else "original")
-    return words.plain("figure.share", share=f"{100.0 * each.share:g}")
+    if each.share:
+        return words.plain("figure.share", share=f"{100.0 * each.share:g}")
+    return words.state("original" if each.campaign else each.state)
 
 
 def _runs(results: Results, row: dynamic.Scanned) -> Sequence[dynamic.Level]:
@@ -138,48 +138,40 @@ def draw_ida(results: Results, words: Words, of: Sequence[Shaken]) -> Figure:
     A record has its mark, +x a full line and −x a dashed one; arrows at the lowest collapse of each curve; empty marks:
     levels withstood above it; the levels that 16, 50 and 84 % collapse at, the one that counts, and where all do.
     """
-    panels = [[(row.record, row.sign, row, _runs(results, row)) for row in each.rows] for each in of]
+    panels = [[(row, _runs(results, row)) for row in each.rows] for each in of]
     curves, mm = [curve for panel in panels for curve in panel], scale("peak_displacement_m")
-    records = list(dict.fromkeys(record for record, *_ in curves))
+    records = list(dict.fromkeys(row.record for row, _ in curves))
     style = {
         record: {"color": state_style(n)["color"], "marker": mark, "markersize": 3.0, "linewidth": 0.6}
         for n, (record, mark) in enumerate(zip(records, cycle(MARKERS), strict=False))
     }
-    stood = [p.peak_displacement_m for *_, points in curves for p in points if not p.collapsed]
+    stood = [p.peak_displacement_m for _, points in curves for p in points if not p.collapsed]
     reach = 1.1 * mm * max(map(known, stood), default=0.0) or 1.0
-    ends = [(seen.lowest_collapse_g, seen.pga_safe_g, *seen.resurrections_g) for _, _, seen, _ in curves]
+    ends = [(row.lowest_collapse_g, row.pga_safe_g, *row.resurrections_g) for row, _ in curves]
     top = 1.15 * max((level for each in ends for level in each if level), default=1.0)
     dotted: dict[str, Any] = {"color": "0.4", "linewidth": 0.6, "linestyle": ":"}
     quoted: dict[str, Any] = {"color": "0.0", "linewidth": 0.6, "linestyle": DASHES[3]}
+    band: dict[str, Any] = {"color": BAND, "linewidth": 0.0}
     handles: list[Artist] = [key(record, **style[record]) for record in records]
-    if any(sign < 0 and points for _, sign, _, points in curves):
+    if any(row.sign < 0 and points for row, points in curves):
         handles.append(key(words.plain("figure.other_sign"), linewidth=0.6, linestyle=SIGNS[-1]))
-    if any(seen.resurrections_g for _, _, seen, _ in curves):
+    if any(row.resurrections_g for row, _ in curves):
         mark = {"marker": "o", "markerfacecolor": "1.0", "markersize": 3.0, "linestyle": "none"}
         handles.append(key(words.plain("figure.resurrection"), **mark))
     figure, axes_of = chart(words, len(panels))
     for axes, each, panel in zip(axes_of, of, panels, strict=True):
-        for record, sign, seen, points in panel:
-            _curve(axes, seen.lowest_collapse_g, points, reach, style[record] | {"linestyle": SIGNS[sign]})
+        for row, points in panel:
+            _curve(axes, row, points, reach, style[row.record] | {"linestyle": SIGNS[row.sign]})
         fit, certain = each.fit, (each.fit.pga_collapse_g_range or [None, None])[1]
         if (counts := fit.pga_collapse_g) is not None:
             axes.axhline(counts, label=words.plain("figure.quoted_pga"), **quoted)
             if certain is not None and certain > counts:
-                band: dict[str, Any] = {
-                    "color": BAND,
-                    "linewidth": 0.0,
-                    "label": words.plain("figure.to_all_collapse"),
-                }
+                band["label"] = words.plain("figure.to_all_collapse")
                 axes.axhspan(counts, certain, zorder=0.5, **band)
-        by_pga = each.share is None or known(results.campaign).measure == "PGA"
-        for level in filter(None, (fit.level_16_g, fit.median_g, fit.level_84_g) if by_pga else ()):
+        for level in filter(None, (fit.level_16_g, fit.median_g, fit.level_84_g) if each.by_pga else ()):
             axes.axhline(level, label=words.plain("figure.probable"), **dotted)
-        axes.set(
-            xlabel=label("peak_displacement_m", words),
-            ylabel=label("pga_g", words),
-            title=_title(each, words),
-        )
-        axes.set(xlim=(0.0, reach), ylim=(0.0, top))
+        axes.set(xlabel=label("peak_displacement_m", words), xlim=(0.0, reach), ylim=(0.0, top))
+        axes.set(ylabel=label("pga_g", words), title=_title(each, words))
         if fit.d_0_m:  # a second axis inside the upper edge: displacements over d_0
             beside = axes.twiny()
             beside.set_xlim(0.0, reach / mm / fit.d_0_m)
@@ -192,10 +184,10 @@ def draw_ida(results: Results, words: Words, of: Sequence[Shaken]) -> Figure:
 
 
 def _curve(
-    axes: Axes, collapse: float | None, points: Sequence[dynamic.Level], edge: float, line: dict[str, Any]
+    axes: Axes, of: dynamic.Scanned, points: Sequence[dynamic.Level], edge: float, line: dict[str, Any]
 ) -> None:
-    """Draw one IDA curve (mm, g): the levels withstood below its lowest `collapse`, its arrow, the others alone."""
-    mm = scale("peak_displacement_m")
+    """Draw one IDA curve (mm, g): the levels withstood below its lowest collapse, its arrow, the others alone."""
+    mm, collapse = scale("peak_displacement_m"), of.lowest_collapse_g
     stood = [(mm * known(p.peak_displacement_m), p.pga_g) for p in points if not p.collapsed]
     below = [(0.0, 0.0), *(each for each in stood if collapse is None or each[1] < collapse)]
     axes.plot(*zip(*below, strict=True), **line)
@@ -206,18 +198,17 @@ def _curve(
         axes.annotate("", (edge, collapse), below[-1], arrowprops=arrow)
 
 
-def draw_fragility(results: Results, words: Words, of: Sequence[Shaken]) -> Figure:
+def draw_fragility(_: Results, words: Words, of: Sequence[Shaken]) -> Figure:
     """Draw the probability of collapse over the measure: lognormal curves with their 95 % bounds.
 
     Circles: the levels of 50 % that they are fitted to, or the shares that collapse at each of the stripes.
     """
     from scipy.special import ndtr  # late: few reports need it, and it takes long to import
 
-    campaign = results.campaign if of[0].share is not None else None
     measure = label("pga_g", words)
-    if campaign and campaign.measure != "PGA":
-        measure = label("sa_g", words).replace("(T)", f"({words.show(campaign.period_s)} s)")
-    fits = [(each, known(each.fit.median_g), known(each.fit.beta), _seen(results, each)) for each in of]
+    if not of[0].by_pga:
+        measure = label("sa_g", words).replace("(T)", f"({words.show(known(of[0].campaign).period_s)} s)")
+    fits = [(each, known(each.fit.median_g), known(each.fit.beta), _seen(each)) for each in of]
     figure, (axes,) = chart(words, height_mm=75.0)
     top = max(median * np.exp(max(2.0 * beta, STEEP)) for _, median, beta, _ in fits)
     low = min(median * np.exp(-3.0 * beta) for _, median, beta, _ in fits)
@@ -244,16 +235,15 @@ def draw_fragility(results: Results, words: Words, of: Sequence[Shaken]) -> Figu
     return figure
 
 
-def _seen(results: Results, of: Shaken) -> tuple[Sequence[float], Sequence[float]]:
+def _seen(of: Shaken) -> tuple[Sequence[float], Sequence[float]]:
     """Return the levels at which collapse was seen, by the measure, and the share of records and signs that fell."""
-    rows, campaign = [row for row in of.rows if row.reason is None], results.campaign
-    if of.share is not None and campaign and campaign.method == "stripes":
+    rows = [row for row in of.rows if row.reason is None]
+    if of.campaign and of.campaign.method == "stripes":
         fallen = np.array([known(row.collapsed) for row in rows], dtype=float)
-        return campaign.levels_g, fallen.mean(axis=0).tolist()
-    listed = campaign.records if campaign and of.share is not None else ()
+        return of.campaign.levels_g, fallen.mean(axis=0).tolist()
+    listed = of.campaign.records if of.campaign else ()
     ratio = {each.record: (each.sa_g or each.record_pga_g) / each.record_pga_g for each in listed}
-    levels = (ratio.get(row.record, 1.0) * row.level_50_g for row in rows if row.level_50_g is not None)
-    found = sorted(levels)
+    found = sorted(ratio.get(row.record, 1.0) * row.level_50_g for row in rows if row.level_50_g is not None)
     return found, ((np.arange(len(found)) + 0.5) / max(len(rows), 1)).tolist()
 
 
@@ -262,8 +252,8 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
     campaign = known(results.campaign)
     names = list(dict.fromkeys(row.settlement for row in campaign.loss))
     figure, panels = chart(words, len(names))
-    losses = [loss for row in campaign.loss for loss in (row.dynamic, row.static, *row.dynamic_range)]
-    drawn = [loss for loss in losses if loss is not None]
+    every = (loss for row in campaign.loss for loss in (row.dynamic, row.static, *row.dynamic_range))
+    drawn = [loss for loss in every if loss is not None]
     least, most = min([0.0, *drawn]), max([0.01, *drawn])
     mm, per_cent = scale("movement_m"), scale("capacity_loss")
     room = 0.05 * per_cent * (most - least)
@@ -271,20 +261,16 @@ def draw_campaign_loss(results: Results, words: Words) -> Figure:
     static: dict[str, Any] = solid | {"linestyle": DASHES[1], "markerfacecolor": "1.0"}
     for axes, name in zip(panels, names, strict=True):
         own = [row for row in campaign.loss if row.settlement == name]
-        known_rows = (row for row in own if None not in row.dynamic_range)
-        band = np.array([(row.movement_m, *row.dynamic_range) for row in known_rows])
-        x, low, high = band.reshape(-1, 3).T * [[mm], [per_cent], [per_cent]]
-        if len(x):
+        band = [(row.movement_m, *row.dynamic_range) for row in own if None not in row.dynamic_range]
+        if band:
+            x, low, high = np.array(band).T * [[mm], [per_cent], [per_cent]]
             named = words.plain("figure.loss_band")
-            axes.fill_between(x, low, high, color=BAND, linewidth=0.0, label=named)
-        for losses_of, style in (("dynamic", solid), ("static", static)):
-            pairs = [(row.movement_m, getattr(row, losses_of)) for row in own]
-            shown = [(mm * movement, per_cent * loss) for movement, loss in pairs if loss is not None]
-            named = words.plain(f"figure.{losses_of}_loss")
-            axes.plot([x for x, _ in shown], [y for _, y in shown], label=named, **style)
+            axes.fill_between(x, low, high, label=named, color=BAND, linewidth=0.0)
+        for kind, style in (("dynamic", solid), ("static", static)):
+            lost = [(row.movement_m, loss) for row in own if (loss := getattr(row, kind)) is not None]
+            pairs = np.array(lost).reshape(-1, 2).T * [[mm], [per_cent]]
+            axes.plot(*pairs, label=words.plain(f"figure.{kind}_loss"), **style)
         axes.set(xlabel=label("movement_m", words), ylabel=label("capacity_loss", words), title=name)
-        axes.set_xlim(left=0.0)
-        # the same in all: movements are compared
-        axes.set_ylim(per_cent * least - room, per_cent * most + room)
+        axes.set(xlim=(0.0, None), ylim=(per_cent * least - room, per_cent * most + room))  # the same in all
     legend(figure, 3)
     return figure

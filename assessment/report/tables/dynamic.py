@@ -4,13 +4,14 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib.resources import files
 
 import jinja2
 
 from assessment.ntc.tables import farthest
 from assessment.report.tables import Curves, Found, curves, table, without
-from assessment.results.schema import Results, present
+from assessment.results.schema import Results, known, present
 from assessment.results.schema import dynamic as parts
 from assessment.results.table import Row, Table, cells, reduction
 
@@ -79,41 +80,53 @@ def motions(results: Results) -> Curves:
 
 @dataclass(frozen=True)
 class Shaken:
-    """A state that [incremental] or [campaign] has shaken: its fragility and loss, and every record and sign.
+    """A state that was shaken: its fragility and loss, and every record and sign.
 
-    `share` of the movement that `state` is called by, None: a state of the project.
+    Of a `campaign` `state` names the movement, of which it is a `share`; else it is one of [incremental].
     """
 
     state: str
-    share: float | None
     fit: parts.Fragility
     loss: parts.Loss | None
     rows: Sequence[parts.Scanned]
+    share: float | None = None
+    campaign: parts.Campaign | None = None
 
     @property
     def analysis(self) -> str:
-        """Which of them."""
-        return "incremental" if self.share is None else "campaign"
+        """Which analysis has shaken it."""
+        return "campaign" if self.campaign else "incremental"
+
+    @property
+    def by_pga(self) -> bool:
+        """Whether its fragility is of the PGA, else of S_a(T)."""
+        return self.campaign is None or self.campaign.measure == "PGA"
+
+    @property
+    def static_loss(self) -> float | None:
+        """The static loss beside that of motions, of a campaign."""
+        return self.loss.static if isinstance(self.loss, parts.CampaignLoss) else None
 
     @property
     def place(self) -> Row:
         """The state in a table of its analysis."""
-        return {"state": self.state} if self.share is None else cells(self.fit, MOVED.split())
+        return cells(self.fit, MOVED.split()) if self.campaign else {"state": self.state}
 
 
 def shaken(results: Results, analysis: str = "") -> list[Shaken]:
     """Return every state that was shaken, of one analysis or of both."""
     found = [
-        Shaken(name, None, fit, each.loss, [row for record in each.records or [] for row in record.signs])
-        for name, each in ((name, state.incremental) for name, state in results.states.items())
-        if (fit := each.fragility)
+        Shaken(name, fit, own.loss, [row for record in own.records or [] for row in record.signs])
+        for name, state in results.states.items()
+        if (fit := (own := state.incremental).fragility)
     ]
-    campaign = results.campaign
-    of: dict[tuple[str, float], list[parts.Scanned]] = {}
-    for row in campaign.combinations if campaign else ():
-        of.setdefault((row.settlement, row.share), []).append(row)
-    for fit, loss in zip(campaign.fragility, campaign.loss, strict=True) if campaign else ():
-        found.append(Shaken(fit.settlement, fit.share, fit, loss, of.get((fit.settlement, fit.share), [])))
+    if campaign := results.campaign:
+        of: dict[tuple[str, float], list[parts.Scanned]] = {}
+        for row in campaign.combinations:
+            of.setdefault((row.settlement, row.share), []).append(row)
+        for fit, loss in zip(campaign.fragility, campaign.loss, strict=True):
+            rows = of.get((fit.settlement, fit.share), [])
+            found.append(Shaken(fit.settlement, fit, loss, rows, fit.share, campaign))
     return [each for each in found if analysis in ("", each.analysis)]
 
 
@@ -148,18 +161,12 @@ def _fragilities(results: Results, analysis: str) -> Iterator[Row]:
         low, high = each.fit.median_range or (None, None)
         least, most = each.fit.beta_range or (None, None)
         bounds = {"median_low_g": low, "median_high_g": high, "beta_low": least, "beta_high": most}
-        known = {
-            k: v for k, v in cells(each.fit, FRAGILITY.split()).items() if v is not None or k == "median_g"
-        }
+        known = present(cells(each.fit, FRAGILITY.split())) | cells(each.fit, ["median_g"])
         yield each.place | known | bounds | counted(each.fit)
 
 
-incremental_points = table("incremental_curves", f"state {POINTS}")(
-    lambda results: _points(results, "incremental")
-)
-campaign_points = table("campaign_curves", f"settlement share {POINTS}")(
-    lambda results: _points(results, "campaign")
-)
+for _analysis, _place in (("incremental", "state"), ("campaign", "settlement share")):
+    table(f"{_analysis}_curves", f"{_place} {POINTS}")(partial(_points, analysis=_analysis))
 fragilities = table("campaign_fragility", f"{MOVED} {FRAGILITY}")(
     lambda results: _fragilities(results, "campaign")
 )
@@ -178,9 +185,9 @@ def incremental_states(results: Results) -> Found:
 @table("campaign_loss", f"{MOVED} {COUNTED} dynamic_loss {LOST} left_out static_loss")
 def losses(results: Results) -> Found:
     """List what each movement costs, dynamic beside static, and the PGA that the standard takes."""
-    own = results.campaign.loss if results.campaign else []
-    for each, loss in zip(shaken(results, "campaign"), own, strict=True):
-        yield each.place | counted(each.fit) | lost(loss, "dynamic_loss") | {"static_loss": loss.static}, loss
+    for each in shaken(results, "campaign"):
+        row = each.place | counted(each.fit) | {"static_loss": each.static_loss}
+        yield row | lost(known(each.loss), "dynamic_loss"), each.loss
 
 
 @table(
@@ -193,15 +200,14 @@ def static_dynamic(results: Results) -> Found:
     The level of 50 % is the median of the fragility, and the loss of motions that of these levels, of each record by
     itself. `over_static` is over the least static capacity of the state.
     """
-    original, campaign = results.states.get("original"), results.campaign
+    original = results.states.get("original")
     for name, state in results.states.items():
         moving: dict[str, Row] = {}  # of one state, the whole movement or none of it
         for each in shaken(results):
             same = each.state == name and each.share in (None, 1.0)
             if each.analysis not in moving and (same or (name, each.share) == ("original", 0.0)):
                 row: Row = {"analysis": each.analysis, "pga_surface_g": each.fit.pga_collapse_g}
-                if each.share is None or (campaign and campaign.measure == "PGA"):
-                    row["level_50_g"] = each.fit.median_g
+                row |= {"level_50_g": each.fit.median_g} if each.by_pga else {}
                 if each.loss is not None and each.loss.dynamic is not None and name != "original":
                     row |= lost(each.loss, "capacity_loss")
                 moving[each.analysis] = row
@@ -282,14 +288,13 @@ def fragility_model(results: Results) -> bytes | None:
     Mean and standard deviation are those of the measure (g), median · exp(β²/2) and mean · √(exp β² − 1), as OpenQuake
     takes them. A fragility without β, or with one above WIDEST, is left out.
     """
-    functions, campaign = [], results.campaign
-    sa = campaign is not None and campaign.measure != "PGA"
+    functions = []
     for number, each in enumerate(shaken(results), 1):
         median, beta = each.fit.median_g, each.fit.beta
         if median and beta and beta <= WIDEST:
             name = each.state if each.share is None else f"{each.state} {each.share:g}"
             own = re.sub(r"\W+", "_", f"{number} {name}", flags=re.ASCII)[:LONGEST]
-            measure = f"SA({campaign.period_s:g})" if sa and campaign and each.share is not None else "PGA"
+            measure = f"SA({each.campaign.period_s:g})" if each.campaign and not each.by_pga else "PGA"
             mean, largest = median * math.exp(0.5 * beta**2), median * math.exp(FARTHEST * beta)
             numbers = {"largest": largest, "mean": mean, "deviation": mean * math.sqrt(math.expm1(beta**2))}
             functions.append({"id": own, "measure": measure} | numbers)

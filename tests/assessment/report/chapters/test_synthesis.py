@@ -273,6 +273,33 @@ def test_an_intervention_is_told_in_the_direction_in_which_it_found_the_structur
     assert not any("least" in plain_text(sentence) for sentence in lead(only, WORDS))
 
 
+@pytest.mark.parametrize(
+    ("alpha_range", "levels", "told"),
+    [
+        (None, (0.3, 0.4), "takes α_0 from 0.131 to 0.157 (+x): a gain of 20 %."),
+        ([0.12, 0.16], (0.3, 0.25), "makes no distinguishable difference to α_0: 0.131, then 0.157 (+x)."),
+        (None, (0.3, 0.25), "a gain of 20 %. The two capacities go opposite ways: the PGA at collapse by the motions "
+         "goes from 0.300 g to 0.250 g"),
+    ],
+)  # fmt: skip
+def test_without_an_assessment_an_intervention_is_told_by_its_multiplier(alpha_range, levels, told):
+    """It had no sentence; and nothing said that motions lost what the static multiplier gained."""
+    results = results_example("en")
+    results["echo"]["assessment"] = None
+    tied = copy.deepcopy(results["states"][SETTLED])
+    results["states"]["tied"] = tied | {"strengthening": {"of": SETTLED, "ties": ["chain"], "layers": []}}
+    for name, factor, level in (("original", 1.0, 0.3), (SETTLED, 1.0, levels[0]), ("tied", 1.2, levels[1])):
+        state = results["states"][name] | {
+            "incremental": {"records": [], "fragility": {"pga_collapse_g": level}}
+        }
+        results["states"][name] = state | {"capacity": {}}
+        for pushed in state["pushover"].values():
+            pushed["rigid"] |= {"alpha_0": factor * pushed["rigid"]["alpha_0"], "alpha_0_range": alpha_range}
+    said = " ".join(plain_text(each) for each in lead(typed(results), WORDS)).replace("\u00a0", " ")
+    assert told in said
+    assert ("opposite ways" in said) == ("opposite ways" in told)
+
+
 def test_motions_alone_have_no_governing_curve_and_their_few_records_are_told():
     results = results_example("en")
     scatter = "The governing curve does not scatter"
