@@ -3,6 +3,7 @@
 Circolare 7/2019, C8.7.1.2.1.2: macro-blocks turn about hinges of their own material, not about fixed centres.
 """
 
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -180,32 +181,30 @@ class Hinge(NamedTuple):
 def hinges_of(chosen: Chosen, closed: Closed) -> list[Hinge]:
     """Return the centres of relative rotation that lie on a closed joint between the two macro-blocks."""
     owner = {int(block): k for k, part in enumerate(chosen.parts) for block in part.blocks}
-    pairs = {
-        tuple(sorted({owner.get(int(a), -1), owner.get(int(b), -1)}))
-        for a, b in zip(*closed[:2], strict=True)
-    }
+    joints = defaultdict[tuple[int, ...], list[Array]](
+        list
+    )  # ends of the closed ones by their macro-blocks, still: −1
+    for a, b, ends in zip(*closed, strict=True):
+        joints[tuple(sorted({owner.get(int(a), -1), owner.get(int(b), -1)}))].append(ends)
     largest = max(abs(part.rotation) for part in chosen.parts)
     found = []
-    for pair in sorted(pair for pair in pairs if len(pair) == 2):
+    for pair in sorted(pair for pair in joints if len(pair) == 2):
         still, moving = pair[0] < 0, chosen.parts[pair[1]]
         other, turns = (None, 0.0) if still else (chosen.parts[pair[0]], chosen.parts[pair[0]].rotation)
         if abs(moving.rotation - turns) <= MOTION.alike * largest:
             continue
         centre = moving.rotation * moving.about - (0.0 if other is None else turns * other.about)
         point = np.asarray(centre / (moving.rotation - turns))
-        if _on_a_joint(point, pair, owner, closed):
+        if any(_lies_on(point, *ends) for ends in joints[pair]):
             found.append(Hinge(pair[1], None if still else pair[0], (float(point[0]), float(point[1]))))
     return found
 
 
-def _on_a_joint(point: Array, pair: tuple[int, ...], owner: dict[int, int], closed: Closed) -> bool:
-    for a, b, ends in zip(*closed, strict=True):
-        if {owner.get(int(a), -1), owner.get(int(b), -1)} == {*pair}:
-            along = ends[1] - ends[0]
-            share = np.clip((point - ends[0]) @ along / (along @ along), 0.0, 1.0)
-            if np.hypot(*(ends[0] + share * along - point)) <= MOTION.hinge * np.hypot(*along):
-                return True
-    return False
+def _lies_on(point: Array, start: Array, end: Array) -> bool:
+    """Whether a point is that of a hinge of a joint."""
+    along = end - start
+    share = np.clip((point - start) @ along / (along @ along), 0.0, 1.0)
+    return bool(np.hypot(*(start + share * along - point)) <= MOTION.hinge * np.hypot(*along))
 
 
 def finite_motion(

@@ -297,14 +297,11 @@ def _clip_of(insert: Insert, to_model: Matrix44, handle: str) -> list[Clip]:
         return []
     if insert.mcount > 1:
         raise DrawingError("is an array with a clip")
-    corners = [(v.x, v.y) for v in kept.boundary_vertices]
-    record = get_roundtrip_xrecord(kept)
+    rings, record = [list(kept.boundary_vertices)], get_roundtrip_xrecord(kept)
     inverted = record is not None and record.has_section(ACAD_INVERTEDCLIP_ROUNDTRIP)
-    rings = [corners]
     if record is not None and inverted:
-        inner = get_roundtrip_vertices(record, ACAD_INVERTEDCLIP_ROUNDTRIP, Matrix44())
-        rings.append([(v.x, v.y) for v in inner])
-    polygons = [_polygon(ring) for ring in rings]
+        rings.append(list(get_roundtrip_vertices(record, ACAD_INVERTEDCLIP_ROUNDTRIP, Matrix44())))
+    polygons = [_polygon([(v.x, v.y) for v in ring]) for ring in rings]
     polygon = min(polygons, key=lambda each: float(each.area))  # of an inverted one the hole
     if kept.dxf.has_front_clipping_plane or kept.dxf.has_back_clipping_plane:
         raise DrawingError("is clipped in depth")
