@@ -88,16 +88,11 @@ def observed(levels: Sequence[float], fallen: Sequence[bool]) -> Observed:
         probable = [median * math.exp(beta * float(ndtri(p))) for p in PROBABILITIES] if known else bracket
         beta = beta if known else 0.0
     return Observed(
-        safe=max((level for level in standing if level < min(bracket[0], probable[0])), default=0.0),
-        lowest=low,
-        probable=(probable[0], probable[1], probable[2]),
-        beta=beta,
-        capacity=min(bracket[0], probable[0]),
-        certain=certain,
-        stands=stands,
-        gap=_gap([level for level in levels if certain is None or level <= certain]),
+        safe=max((level for level in standing if level < min(bracket[0], probable[0])), default=0.0), lowest=low,
+        probable=(probable[0], probable[1], probable[2]), beta=beta, capacity=min(bracket[0], probable[0]),
+        certain=certain, stands=stands, gap=_gap([x for x in levels if certain is None or x <= certain]),
         spacing=math.log(low / safe) if safe else 1.0,
-    )
+    )  # fmt: skip
 
 
 def _gap(levels: Sequence[float]) -> tuple[float, float] | None:

@@ -64,15 +64,14 @@ class Reach:
 class Scan:
     """The `points` of every level (PGA, g) that was run, and the time step (s) of its motions.
 
-    `reason`: why there is no answer; `failures`: why it could not be completed. `notes`: warnings of the motions, and
-    levels whose outcome is not known. `counts` of all motions, their worst residual, and the seconds that they took.
+    `reason`: why there is no answer; `notes`: warnings of the motions, and levels whose outcome is not known; `counts`
+    of all motions, their worst residual, and the seconds that they took.
     """
 
     points: list[Level] = field(default_factory=list)
     time_step: float = 0.0
     stripes: bool = False
     reason: Message | None = None
-    failures: list[Message] = field(default_factory=list)
     notes: list[Message] = field(default_factory=list)
     counts: Counts | None = None
     worst: float = 0.0
@@ -94,8 +93,10 @@ class Scan:
         """What the results have of it, by the keys of Scanned."""
         seen, done = self.seen, self.reason is None
         low, middle, high = seen.probable or (None, None, None)
-        fallen = {"collapsed": [point.collapsed for point in self.points]} if self.stripes and done else {}
-        return fallen | {
+        tie = next((point.broken_tie for point in self.points if point.pga_g == seen.lowest), None)
+        more: dict[str, Any] = {"broken_tie": tie} if tie else {}
+        more |= {"collapsed": [point.collapsed for point in self.points]} if self.stripes and done else {}
+        return more | {
             "pga_collapse_g": seen.capacity, "pga_safe_g": seen.safe if done else None,
             "lowest_collapse_g": seen.lowest, "level_16_g": low, "level_50_g": middle, "level_84_g": high,
             "beta": seen.beta if seen.probable else None, "widest_gap_g": list(seen.gap) if seen.gap else None,
@@ -126,7 +127,6 @@ def scan(
     found.points = [levels.points[pga] for pga in sorted(levels.points)]
     if levels.refused and len(levels.refused) == len(found.points):
         found.reason = next(iter(levels.refused.values()))
-        found.failures = [found.reason]
     every = levels.counts["motions"]
     for alike in levels.notes.values():
         found.notes.append(
@@ -324,20 +324,16 @@ class _Motions:
         first = min((each for each in members if each.collapsed), key=lambda each: each.end, default=None)
         peaks = [None if each.collapsed else float(abs(each.displacement).max()) for each in members]
         low, _, high = lowest_median_highest(peaks)
+        ended = first is not None and first.end < math.inf
+        tie = first.fell.fields.get("tie") if first and ended and isinstance(first.fell, Message) else None
         found = Level(
-            pga_g=pga,
-            peak_displacement_m=high,
-            peak_displacement_m_range=[low, high],
+            pga_g=pga, peak_displacement_m=high, peak_displacement_m_range=[low, high],
             residual_displacement_m=None if first else max(abs(float(m.displacement[-1])) for m in members),
-            members=len(members),
-            members_collapsed=peaks.count(None),
-            collapsed=first is not None,
-            time_of_collapse_s=self.shaking.motion.start + first.end
-            if first and first.end < math.inf
-            else None,
-            reason=first.fell if first else None,
-            integrator_share=max(each.integrator for each in members),
-        )
+            members=len(members), members_collapsed=peaks.count(None), collapsed=first is not None,
+            time_of_collapse_s=self.shaking.motion.start + first.end if first and ended else None,
+            reason=first.fell if first else None, integrator_share=max(each.integrator for each in members),
+        )  # fmt: skip
+        found = found.replace(broken_tie=str(tie)) if tie else found
         return found.replace(curves=list(self._curves(members))) if self.curves else found
 
     def _curves(self, members: Sequence[_Member]) -> Iterator[MemberCurve]:

@@ -183,9 +183,7 @@ def _row(
         row |= {"dynamic_pga_g": dynamic, "static_nominal_pga_g": nominal}
         row["dynamic_to_static"] = dynamic / nominal if dynamic is not None and nominal else None
         if original is not None:
-            drawn = original.incremental.fragility
-            lost = reduction(drawn.pga_collapse_g if drawn else None, dynamic)
-            row["dynamic_loss"] = loss.dynamic if loss else lost
+            row["dynamic_loss"] = loss.dynamic if loss else None
     return schema.SummaryRow(**row)
 
 

@@ -163,7 +163,6 @@ def campaign(
     study.findings += [message("campaign: {text}", text=text) for text in told]
     return as_part(
         dynamic.Campaign, table, levels_g=list(table.levels_g or ()), members=project.scatter,
-        symmetric=any(each.run_sign != each.sign for each in asked),
         static_quantity=variants.quantity(project) if project.pushover else None,
         records=[
             dynamic.CampaignRecord(

@@ -195,7 +195,7 @@ class Scans:
             study.quality.append(
                 quality_row(state, f"{stage}, {asked.record}", found.counts.programs, found.worst)
             )
-        study.failures += [headed(asked.title, text) for text in found.failures]
+        study.failures += [headed(asked.title, found.reason)] if found.reason is not None else []
         study.warnings += [headed(asked.title, text) for text in (*found.notes, *_doubts(asked, found))]
         study.seconds += found.seconds
 

@@ -117,12 +117,13 @@ def _campaign(results: Results, words: Words) -> Iterator[Markup]:
     before = {each.state: each.fit.median_g for each in found if each.share == 0.0}
     for settlement, each in {each.state: each for each in found}.items():
         after, loss, was = each.fit.median_g, known(each.loss), before.get(settlement)
+        static = getattr(loss, "static", None)
         if not each.share or was is None or after is None or loss.dynamic is None:
             continue
-        indistinct, pair = loss.distinguishable is False, (loss.dynamic, each.static_loss or 0.0)
+        indistinct, pair = loss.distinguishable is False, (loss.dynamic, static or 0.0)
         # one a gain, both of them more than nothing as they are printed
         opposed = pair[0] * pair[1] < 0.0 and min(map(abs, pair)) >= ONE_PER_CENT and not indistinct
-        kind = "alone" if each.static_loss is None else "opposed" if opposed else "beside"
+        kind = "alone" if static is None else "opposed" if opposed else "beside"
         measure = "PGA" if each.by_pga else words.plain("judgement.campaign_sa")
         what = {"settlement": settlement, "share": words.comma(f"{100.0 * each.share:g}"), "measure": measure}
         numbers = {"before": was, "after": after, "dynamic": pair[0], "static": pair[1]}

@@ -1,6 +1,7 @@
 """The first page: the answer in sentences, the table of what was found, and what it rests on, from `summary` alone."""
 
 from collections.abc import Iterator, Sequence
+from itertools import groupby
 
 from markupsafe import Markup
 
@@ -49,7 +50,17 @@ def lead(results: Results, words: Words) -> list[Markup]:
         low, high = loss.dynamic_range
         kind = "loss_indistinct" if loss.distinguishable is False else "dynamic_loss"
         sentences.append(words(f"synthesis.{kind}", loss=loss.dynamic, low=low, high=high))
-    return [each for each in sentences if each]
+    return [each for each in (*sentences, *_broken_ties(results, words)) if each]
+
+
+def _broken_ties(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield of each analysis and state how many lowest collapses are ties that break, which are no falls."""
+    for (analysis, state), of in groupby(shaken(results), key=lambda each: (each.analysis, each.state)):
+        rows = [row for each in of for row in each.rows if row.lowest_collapse_g is not None]
+        if broken := [row.broken_tie for row in rows if row.broken_tie]:
+            ties, named = ", ".join(dict.fromkeys(broken)), words.plain(f"value.{analysis}")
+            counts = {"count": len(broken), "total": len(rows)}
+            yield words("synthesis.tie_breaks", state=state, analysis=named, ties=ties, **counts)
 
 
 def _of_state(results: Results, name: str, words: Words) -> Markup:

@@ -149,14 +149,14 @@ def pictures(results: Results) -> list[Picture]:
     drawn_ones = [each for each in scanned if any(row.points for row in each.rows)]
     for name, of in _portions("incremental", drawn_ones):
         show(name, "incremental", motions.draw_ida, of, caption="incremental_curves")
-    if fragile := motions.known_fragilities(scanned):
+    if fragile := [each for each in scanned if each.fit.beta is not None]:
         show("fragility", "incremental", motions.draw_fragility, fragile)
     if results.campaign:
         show("campaign_loss", "campaign", motions.draw_campaign_loss, caption="campaign_losses")
     moved = groupby(shaken(results, "campaign"), key=lambda each: each.state)
     for number, (name, after) in enumerate(moved):
         told, of = partial(show, settlement=name), [*after]
-        if fragile := motions.known_fragilities(of):
+        if fragile := [each for each in of if each.fit.beta is not None]:
             stem = _numbered("campaign_fragility", number)
             told(stem, "campaign", motions.draw_fragility, fragile, caption="campaign_fragility_curves")
         stem = _numbered("campaign_curves", number)

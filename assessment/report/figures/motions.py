@@ -39,11 +39,6 @@ def moving(results: Results, record: str) -> dict[str, dynamic.History]:
     }
 
 
-def known_fragilities(of: Sequence[Shaken]) -> list[Shaken]:
-    """Return those of the states whose fragility is known."""
-    return [each for each in of if each.fit.median_g is not None and each.fit.beta is not None]
-
-
 def draw_motion(results: Results, words: Words, index: int) -> Figure:
     """Draw a base motion over time and its acceleration spectrum at 5 % damping."""
     motion = known(results.motions)[index]

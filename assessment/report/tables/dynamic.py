@@ -20,11 +20,13 @@ HISTORY = f"""state record pga_g {VERTICAL} contacts control peak_displacement_m
 farthest_left_m collapsed time_of_collapse_s"""
 ENERGY = "input kinetic potential elastic friction impact viscous integrator residual"
 LEVELS = "pga_safe_g lowest_collapse_g pga_collapse_g level_50_g level_84_g"
-BANDS = "resurrections widest_gap"
+BANDS = "resurrections widest_gap ?broken_tie"
 POINTS = """record sign pga_g peak_displacement_m residual_displacement_m members members_collapsed collapsed
 time_of_collapse_s"""
 FRAGILITY = """combinations withstood failed median_g median_low_g median_high_g beta beta_low beta_high beta_record
 beta_ensemble"""
+CAMPAIGN = f"""settlement share record sign {LEVELS} pga_all_collapse_g {BANDS} sa_collapse_g time_step_s
+runs reason"""
 MOVED = "settlement share movement_m"
 LOST = "dynamic_loss_low dynamic_loss_high distinguishable"
 COUNTED = "rule pga_collapse_g pga_all_collapse_g"
@@ -103,11 +105,6 @@ class Shaken:
         return self.campaign is None or self.campaign.measure == "PGA"
 
     @property
-    def static_loss(self) -> float | None:
-        """The static loss beside that of motions, of a campaign."""
-        return self.loss.static if isinstance(self.loss, parts.CampaignLoss) else None
-
-    @property
     def place(self) -> Row:
         """The state in a table of its analysis."""
         return cells(self.fit, MOVED.split()) if self.campaign else {"state": self.state}
@@ -139,10 +136,7 @@ def incremental(results: Results) -> Found:
             yield {"state": name} | cells(row, LEVELS.split()) | bands(row), record
 
 
-@table(
-    "campaign",
-    f"settlement share record sign {LEVELS} pga_all_collapse_g {BANDS} sa_collapse_g time_step_s runs reason",
-)
+@table("campaign", CAMPAIGN)
 def combinations(results: Results) -> Found:
     """List the levels at which each combination collapses, and why where it was not completed."""
     return ((bands(row), row) for each in shaken(results, "campaign") for row in each.rows)
@@ -186,7 +180,7 @@ def incremental_states(results: Results) -> Found:
 def losses(results: Results) -> Found:
     """List what each movement costs, dynamic beside static, and the PGA that the standard takes."""
     for each in shaken(results, "campaign"):
-        row = each.place | counted(each.fit) | {"static_loss": each.static_loss}
+        row = each.place | counted(each.fit) | {"static_loss": getattr(each.loss, "static", None)}
         yield row | lost(known(each.loss), "dynamic_loss"), each.loss
 
 
@@ -245,7 +239,8 @@ def bands(found: parts.Scanned) -> Row:
     gap = "–".join(f"{level:.3f}" for level in found.widest_gap_g or [] if level is not None)
     stands = "; ".join(f"{level:.3f}" for level in found.resurrections_g)
     all_collapse = {"pga_all_collapse_g": range_[1]} if (range_ := found.pga_collapse_range) else {}
-    return {"resurrections": stands, "widest_gap": gap} | all_collapse
+    more = present({"broken_tie": found.broken_tie}) | all_collapse
+    return {"resurrections": stands, "widest_gap": gap} | more
 
 
 def _histories(results: Results) -> Iterator[tuple[str, parts.History]]:
@@ -264,13 +259,10 @@ def reported_searches(results: Results) -> list[Table]:
 @table("fragility_measures", "analysis state share measure unit median_of_measure beta_of_measure efficient")
 def measures(results: Results) -> Found:
     """List the fragilities by every measure of intensity; the most efficient one has the least β."""
-    drawn = False  # of the structure as drawn one of all movements
-    for each in shaken(results):
-        if each.share == 0.0 and drawn:
-            continue
-        drawn = drawn or each.share == 0.0
-        place: Row = {"analysis": each.analysis, "state": each.state}
-        place |= {} if each.share is None else {"share": each.share}
+    found = shaken(results)
+    drawn = next((each for each in found if each.share == 0.0), None)  # of all movements one
+    for each in (each for each in found if each.share != 0.0 or each is drawn):
+        place: Row = {"analysis": each.analysis, "state": each.state} | present({"share": each.share})
         least = min((own.beta for own in each.fit.measures if own.beta is not None), default=None)
         for own in each.fit.measures:
             row = place | cells(own, ("measure", "unit")) | {"efficient": own.beta == least}

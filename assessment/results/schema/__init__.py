@@ -67,8 +67,8 @@ class SummaryRow(Multipliers):
     static_nominal_pga_g: float | None = optional("the same with F_C = 1, as `dynamic_pga_g` has none")
     dynamic_pga_g: float | None = optional("PGA at collapse by [incremental]; null: none found")
     dynamic_loss: float | None = optional(
-        "`incremental.loss.dynamic`, of the levels of 50 %; without one 1 − PGA/PGA(original); null: not "
-        "determined", "Perdita dinamica, mediana|Dynamic loss, median", shown="%", digits=2,
+        "`incremental.loss.dynamic`, of the levels of 50 %; null: not determined",
+        "Perdita dinamica, mediana|Dynamic loss, median", shown="%", digits=2,
     )  # fmt: skip
     dynamic_to_static: float | None = optional("`dynamic_pga_g` over `static_nominal_pga_g`")
 

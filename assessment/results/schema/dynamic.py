@@ -157,6 +157,7 @@ class Level(Peaks):
     members_collapsed: int = key("motions that collapse, or cannot be completed")
     collapsed: bool = key("whether any collapses, or cannot be completed")
     integrator_share: float | None = key("what the integrator took of the energy turned over: the largest")
+    broken_tie: str | None = optional("the tie whose breaking is the collapse")
     curves: list[MemberCurve] | None = optional("of the motions asked for that were run")
 
 
@@ -217,6 +218,7 @@ class Scanned(OfRecord):
         "from `pga_collapse_g` to the level from which all levels run collapse; null: not reached", unit="g"
     )
     collapsed: list[bool] | None = optional("of stripes: whether a motion collapses, by level")
+    broken_tie: str | None = optional("that breaks at the lowest", "Catena che si rompe|Tie that breaks")
     same_as: SameAs | None = optional("where another row has the motions")
 
 
@@ -368,7 +370,6 @@ class Campaign(Part):
     tolerance: float = key("of the level at collapse, relative")
     contacts: str = key("rigid or elastic")
     members: int = key("of stripes, motions of each level at most")
-    symmetric: bool = key("whether one sign stands for both of the structure as drawn")
     static_quantity: str | None = key("key that the static loss is of; null: no pushover")
     records: list[CampaignRecord] = key("the records")
     spectrum: CampaignSpectrum | None = key("their mean spectrum; null: no spectrum was asked for")

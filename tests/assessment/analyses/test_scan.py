@@ -264,7 +264,7 @@ def test_levels_of_a_rocking_block_carry_what_their_motions_came_to():
     assert seen.lowest == pytest.approx(expected, rel=0.05)
     assert found.counts.motions == len(found.points) and found.counts.steps > 0 and found.worst < 1e-6
     assert all((point.peak_displacement_m is None) == point.collapsed for point in found.points)
-    assert not found.failures and found.reason is None
+    assert found.reason is None
 
 
 def test_a_motion_that_is_not_solved_counts_as_a_collapse_and_is_told(monkeypatch):
@@ -285,7 +285,7 @@ def test_a_motion_that_is_not_solved_counts_as_a_collapse_and_is_told(monkeypatc
 
     monkeypatch.setattr(scans, "respond", refused)
     found = scanned()
-    assert found.reason is None and not found.failures
+    assert found.reason is None
     others = {p.pga_g: p for p in found.points}
     assert others.pop(lost).collapsed and found.points[0].pga_g < lost
     assert len(others) >= CERTAIN + 5 and all(others.get(p.pga_g, p) == p for p in whole.points)

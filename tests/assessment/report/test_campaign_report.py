@@ -80,7 +80,7 @@ def results_with_campaign(language: str = "it", settlements: tuple[str, ...] = (
             losses.append(lost(settlement, share))
     results["campaign"] = {
         "measure": "PGA", "period_s": None, "method": "incremental", "levels_g": [], "tolerance": 0.05,
-        "contacts": "rigid", "members": 5, "symmetric": False, "static_quantity": "a_g_g", "spectrum": None,
+        "contacts": "rigid", "members": 5, "static_quantity": "a_g_g", "spectrum": None,
         "failures": [], "warnings": [], "combinations": rows, "computed": len(rows), "fragility": fits, "loss": losses,
         "records": [{"record": name, "record_pga_g": 0.3, "scale": 1.0, "duration_s": 25.0, "time_step_s": 0.01}
                     for name in LEVELS],

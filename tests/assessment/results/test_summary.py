@@ -98,7 +98,11 @@ def test_static_and_dynamic_capacity_are_on_one_reference_and_compared_without_c
     def shaken(content):
         for name, pga in (("original", 0.40), (SETTLED, 0.30)):
             state = content["states"][name]
-            state["incremental"] = {"records": [], "fragility": {"pga_collapse_g": pga}}
+            state["incremental"] = {
+                "records": [],
+                "fragility": {"pga_collapse_g": pga},
+                "loss": {"dynamic": 0.25},
+            }
             state["capacity"]["+x"]["nominal"] = {"pga_g": 0.5, "limit_state": "SLC"}
 
     found = changed(shaken)

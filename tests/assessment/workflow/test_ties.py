@@ -8,7 +8,10 @@ import pytest
 from assessment.analyses import paths as settlement
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.report.tables import structure
+from assessment.report.chapters.judgement import told
+from assessment.report.chapters.synthesis import lead
+from assessment.report.language import Words
+from assessment.report.tables import dynamic, structure
 from assessment.report.tables.mechanisms import balance
 from assessment.results.frames import tie_ends
 from assessment.results.hand_check import hand_checks
@@ -233,6 +236,34 @@ def test_a_tie_holds_in_a_motion_what_falls_without_it(tmp_path):
     assert (chain.greatest_kN, chain.time_s, chain.yields) == (None, None, False)
     assert held.snapshots.tie_kN is None and "tie_kN" in held.snapshots.model_fields_set
     assert fallen.snapshots.tie_kN is None
+
+
+SHAKEN = '[incremental]\nrecords = ["push.csv"]\ncontacts = "rigid"\ntolerance_g = 0.05\nmax_scale = 1.0\n'
+
+
+def test_a_level_at_which_a_tie_breaks_is_told_to_be_no_fall(tmp_path):
+    """The PGA at which the chain broke was told as that of a fall, without a word."""
+    ties = tie(states='["strengthened"]', ultimate_elongation="0.0005") + strengthening("original")
+    found = shaken(tmp_path / "block", 'accuracy = "fast"\n' + block() + SHAKEN + ties)
+    signs = {name: found.states[name].incremental.records[0].signs for name in found.states}
+    towards = {
+        name: next(row for row in own if row.broken_tie or name == "original") for name, own in signs.items()
+    }
+    assert towards["strengthened"].broken_tie == "chain" and not any(
+        row.broken_tie for row in signs["original"]
+    )
+    broken = [point for point in towards["strengthened"].points if point.collapsed]
+    assert broken[0].broken_tie == "chain" and "breaks" in broken[0].reason
+    count = sum(row.broken_tie is not None for row in signs["strengthened"])
+    assert f"State “strengthened”, incremental analysis: of {count} of 2 records and signs" in told(found)
+    italian = " ".join(lead(found, Words.of("it")))
+    assert "la rottura di una catena (chain), che per convenzione vale come collasso" in italian
+    rows = {row["state"]: row for row in dynamic.incremental(found).rows}
+    worse = found.states["strengthened"].incremental.records[0].sign
+    assert rows["strengthened"].get("broken_tie") == next(
+        row.broken_tie for row in signs["strengthened"] if row.sign == worse
+    )
+    assert "broken_tie" not in rows["original"]
 
 
 def test_elastic_joints_give_the_tension_of_a_tie_in_a_motion(tmp_path):
