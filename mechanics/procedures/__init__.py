@@ -14,16 +14,11 @@ from mechanics.procedures.limit_analysis import (
 from mechanics.procedures.mirror import Mirror
 from mechanics.procedures.motion_start import HISTORY
 from mechanics.procedures.path_start import settled
-from mechanics.procedures.pushdown import (
-    Pushdown,
-    SupportMovement,
-    drawn_extent,
-    pushdown_together,
-    whole_movement,
-)
+from mechanics.procedures.pushdown import Pushdown, pushdown_together
 from mechanics.procedures.pushover import Pushover
 from mechanics.procedures.static_theorem import static_theorem
 from mechanics.procedures.step_control import PATH
+from mechanics.procedures.support_movement import SupportMovement, drawn_extent, whole_movement
 from mechanics.procedures.time_history import unfinished
 
 __all__ = [

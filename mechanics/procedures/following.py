@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike
 from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, array_of, is_number, require
 from mechanics.messages import Message
 from mechanics.model.assembly import Assembly, Behaviour, State
-from mechanics.procedures.pushdown import Led, whole_movement
 from mechanics.procedures.step_control import Bisection
+from mechanics.procedures.support_movement import Led, whole_movement
 from mechanics.steps.equilibrium import check_self_weight, reaction
 from mechanics.steps.rest import come_down
 from mechanics.steps.static_step import Equilibrium

@@ -6,6 +6,8 @@ as the structure moves; of a curve that rises behind a trough the motion tells w
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from mechanics.errors import ConvergenceError
@@ -21,6 +23,10 @@ HOLDS = 5  # √(L/g): time that it stays then, and again until all rests, up to
 STEP = 0.01  # √(L/g): time step
 DAMPED = 0.1  # of critical: elastic joints, which lose nothing at impacts
 RESOLVED = 0.95  # ratio of multipliers that are not told apart
+KICKS = (
+    1e-3,
+    5e-3,
+)  # √(size·g): speeds along its way with which what jumps or moves with a support is released
 
 
 def stands(
@@ -53,6 +59,19 @@ def stands(
             return True
         state = motion.final
     return model.farthest(begun, state.positions) <= model.size
+
+
+def stands_kicked(
+    model: Assembly, contacts: Behaviour, sliding: Sliding, state: State, way: Array, kicks: tuple[float, ...]
+) -> bool:
+    """Whether a structure released in a state stands with each of the `kicks` along the `way` (b, 3) of its blocks.
+
+    At rest an unstable equilibrium stays. Raises ArgumentError as time_history.
+    """
+    free = np.where(model.movable[:, None], way, 0.0)
+    speed = free * np.sqrt(GRAVITY * model.size) / max(float(abs(free).max()), np.finfo(float).tiny)
+    released = (replace(state, velocities=kick * speed) for kick in kicks)
+    return all(stands(model, contacts, sliding, each) for each in released)
 
 
 def borne(

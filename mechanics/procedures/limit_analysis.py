@@ -139,10 +139,10 @@ def _limit(
     """
     closed = standing.pushed(model, model.lateral_load(direction))
     flow = _associative if sliding == "associative" else _coulomb
-    for _ in range(LIMIT.repeats):
+    for k in range(LIMIT.repeats):
         on_edges, lever = closed.on_edges()
         found, central, dilation = flow(on_edges)
-        again = closed.hinged(found.forces[:, 0])
+        again = closed.hinged(found.forces[:, 0], k >= LIMIT.repeats // 4)
         if again is None:
             break
         closed = again

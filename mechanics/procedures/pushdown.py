@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,24 +15,31 @@ from mechanics.errors import (
     ConvergenceError,
     NoEquilibriumError,
     RunawayError,
-    array_of,
     is_number,
     require,
 )
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.pictures import film, magnification
-from mechanics.procedures.held_load import stands
+from mechanics.procedures.held_load import KICKS, stands_kicked
 from mechanics.procedures.model_check import check_path, sound
-from mechanics.procedures.step_control import Bisection, Reached, follow, reach
+from mechanics.procedures.step_control import Bisection, follow
+from mechanics.procedures.support_movement import (
+    Led,
+    Movements,
+    SupportMovement,
+    checked_movement,
+    drawn_extent,
+)
 from mechanics.program import Certificate
 from mechanics.solvers import USABLE
-from mechanics.steps.equilibrium import check_self_weight, reaction, rest, rest_size
+from mechanics.steps.equilibrium import check_self_weight, reaction
+from mechanics.steps.flow_step import slides
 from mechanics.steps.rest import come_down
-from mechanics.steps.static_step import Equilibrium, StepProblem
-from mechanics.steps.static_system import Sliding, StaticSystem, static_system
-from mechanics.steps.tolerances import LIMIT, REST, STEP
-from mechanics.types import GRAVITY, Array
+from mechanics.steps.static_step import Equilibrium
+from mechanics.steps.static_system import Sliding, static_system
+from mechanics.steps.tolerances import LIMIT
+from mechanics.types import Array
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,16 +47,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 POINTS = 20_000  # most of a path that goes on to collapse
-KICKS = (1e-3, 5e-3)  # √(size·g): speeds along its jump with which what jumps is released
-
-
-@dataclass(frozen=True)
-class SupportMovement:
-    """A support displaced by `displacement` (x, z), m, and turned by `rotation` (rad) about its drawn centroid."""
-
-    support: str
-    displacement: tuple[float, float]
-    rotation: float = 0.0
+# shares of a path to collapse at which it is released with a kick
+KICKED = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)
+FALLS = message("released where it rests, the structure falls after a kick along its way")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -60,9 +59,10 @@ class Pushdown:
     `movement` (k,) m: its largest component, from zero (a pure rotation: the arc at the support's farthest corner);
     `reaction` (k, 2) kN: x and z force of the support on the structure (rigid joints: the first one is taken as the
     movement begins); `states`: of each point; `final`: at rest after the whole movement. `ultimate` (m): movement
-    beyond which no equilibrium is found, located to 1/32 of an increment (None: not sought or not reached); `end`: why
-    the path ends. `crossed` (n, 2) m: movements between which a part moves by itself, until other blocks hold it again.
-    `steps`: the equilibria. `sliding`: whether what slides lifts ("associative") or not ("coulomb").
+    beyond which no equilibrium is found, located to 1/32 of an increment, or where joints slide the last one at
+    which the structure stands after a kick (None: not sought or not reached); `end`: why the path ends. `crossed`
+    (n, 2) m: movements between which a part moves by itself, until other blocks hold it again. `steps`: the
+    equilibria. `sliding`: whether what slides lifts ("associative") or not ("coulomb").
     """
 
     movement: Array
@@ -132,10 +132,10 @@ def pushdown(
     """
     # nine arguments: the public function of the package, called with keywords
     Assembly.check(model)
-    movement = _checked(model, support, displacement, rotation)
+    movement = checked_movement(model, support, displacement, rotation)
     require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
     check_self_weight(model)
-    moving = _Moving(static_system(model, contacts, sliding), (movement,), model.starting(state))
+    moving = Movements(static_system(model, contacts, sliding), (movement,), model.starting(state))
     return _followed(moving, increment, to_collapse)
 
 
@@ -150,16 +150,18 @@ def pushdown_together(
     `increment` (m): of the largest component of all movements. Raises as `pushdown`.
     """
     Assembly.check(model)
-    checked = tuple(_checked(model, each.support, each.displacement, each.rotation) for each in movements)
+    checked = tuple(
+        checked_movement(model, each.support, each.displacement, each.rotation) for each in movements
+    )
     require(len(checked) > 0, "movements", 0, "the movement of one support or more")
     require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
     check_self_weight(model)
     return _followed(
-        _Moving(static_system(model, "rigid", sliding), checked, model.initial), increment, False
+        Movements(static_system(model, "rigid", sliding), checked, model.initial), increment, False
     )
 
 
-def _followed(moving: _Moving, increment: float, to_collapse: bool) -> Pushdown:
+def _followed(moving: Movements, increment: float, to_collapse: bool) -> Pushdown:
     """Follow the path of moving supports. Raises as `pushdown`."""
     path = _Path(moving, increment, to_collapse)
     try:
@@ -167,6 +169,7 @@ def _followed(moving: _Moving, increment: float, to_collapse: bool) -> Pushdown:
         if path.undecided is not None:
             raise path.undecided
         check_path(path.steps)
+        path.release()
     except (NoEquilibriumError, ConvergenceError) as error:
         path.end = error.message
         error.path = path.result()
@@ -176,120 +179,6 @@ def _followed(moving: _Moving, increment: float, to_collapse: bool) -> Pushdown:
     return path.result()
 
 
-def _checked(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> SupportMovement:
-    """Return the whole movement of a support; ArgumentError if it is none."""
-    target = array_of("displacement", displacement, "(x, z) in m")
-    require(
-        target.shape == (2,) and bool(np.isfinite(target).all()), "displacement", displacement, "(x, z) in m"
-    )
-    require(is_number(rotation) and abs(rotation) < np.inf, "rotation", rotation, "finite, in rad")
-    full = whole_movement(model, support, target, rotation)
-    arc = whole_movement(model, support, np.zeros(2), rotation)
-    least = STEP.rounding * model.size
-    require(
-        max(full, arc) > least, "displacement", displacement, f"with the rotation, more than {least:.1g} m"
-    )
-    return SupportMovement(support, (float(target[0]), float(target[1])), rotation)
-
-
-@dataclass(frozen=True, eq=False)
-class _Moving:
-    """Supports that move in proportion to each other; the largest component of their movements is `full` (m).
-
-    `begun`: the state in which their movements begin.
-    """
-
-    system: StaticSystem
-    movements: tuple[SupportMovement, ...]
-    begun: State
-
-    @cached_property
-    def before(self) -> list[tuple[Array, float]]:
-        """Displacement (2,) m and rotation (rad) of each support where the movements begin."""
-        return [
-            self.system.model.support_movement(self.begun.positions, each.support) for each in self.movements
-        ]
-
-    @cached_property
-    def full(self) -> float:
-        """Largest component of the whole movements, m."""
-        model = self.system.model
-        return max(
-            whole_movement(model, each.support, each.displacement, each.rotation) for each in self.movements
-        )
-
-    @property
-    def shifts(self) -> bool:
-        """Whether a support moves other than by turning."""
-        return any(any(each.displacement) for each in self.movements)
-
-    def moved(self, positions: Array, movement: float) -> Array:
-        """Return the positions (b, 3) with the supports displaced by a movement (m)."""
-        share = movement / self.full
-        for each, (shift, turn) in zip(self.movements, self.before, strict=True):
-            to = shift + share * np.array(each.displacement)
-            positions = self.system.model.moved_support(
-                positions, each.support, to, turn + share * each.rotation
-            )
-        return positions
-
-    def translation(self, by: float) -> Array | None:
-        """Return how far (2,) a movement of `by` (m) takes the support; None where several move, or one turns."""
-        one = self.movements[0]
-        if len(self.movements) > 1 or one.rotation:
-            return None
-        return by / self.full * np.array(one.displacement)
-
-    @property
-    def lever(self) -> float:
-        """Ratio, 1 or more, of the longest way of the supports' corners to the movement: a rotation may exceed it."""
-        model = self.system.model
-        turned = [whole_movement(model, each.support, (0.0, 0.0), each.rotation) for each in self.movements]
-        return max(1.0, max(turned) / self.full)
-
-
-class Led:
-    """A structure whose supports are led: its `last` equilibrium, and its `rate` (b, 3) per metre of their movement."""
-
-    def __init__(self, system: StaticSystem, begun: State) -> None:
-        self.smallest = 0.0 if system.rigid else rest_size(system.model, system.behaviour)
-        self.last = rest(system, begun)
-        self.rate = np.zeros_like(begun.positions)
-
-    def reach(self, guess: Array, by: float, shortest: bool) -> Reached:
-        """Return the equilibrium near a `guess` (b, 3), `by` (m) on."""
-        here, system = self.last.state, self.last.system
-        problem = StepProblem(system, here, system.model.dead_load, max(by, self.smallest))
-        # the forces at rest do not show which hinges will open: the first step has a cold start
-        return reach(problem, guess, self.last if self.rate.any() else None, shortest)
-
-    def step(self, guess: Array, by: float, lever: float, shortest: bool) -> bool:
-        """Take a step of the supports, `by` (m) times a lever; return whether the blocks have jumped.
-
-        Raises RunawayError where a motion with inertia, released along a jump, does not come to rest; ConvergenceError
-        where blocks go farther than the last step leads to and may have snapped: in the shortest step the same motion
-        decides. Other errors are those of `reach`.
-        """
-        before, system, far = self.last.state, self.last.system, self.last.system.model.farthest
-        found, _, jumped = self.reach(guess, lever * by, shortest)
-        x = before.positions
-        snaps = self.rate.any() and far(x, found.state.positions) > REST.faster * far(x, x + by * self.rate)
-        if snaps and not shortest:
-            raise ConvergenceError(message("the blocks move farther than the last step leads to"))
-        if jumped or snaps:
-            still, jump = ~system.model.movable[:, None], found.state.positions - before.positions
-            way = np.where(still, 0.0, jump / abs(jump).max()) * np.sqrt(GRAVITY * system.model.size)
-            at = np.where(still, guess, before.positions)
-            releases = [replace(before, positions=at, velocities=kick * way, carrying=None) for kick in KICKS]
-            if not all(stands(system.model, system.behaviour, system.sliding, each) for each in releases):
-                raise RunawayError(
-                    message("the structure falls: a part moves by itself, and is not held again")
-                )
-        self.last = found
-        self.rate = 0.0 * guess if jumped else (found.state.positions - before.positions) / by
-        return jumped
-
-
 class _Path:
     """The path as far as it has been followed; `end`: why it ends, None while it goes on.
 
@@ -297,7 +186,7 @@ class _Path:
     one; `ultimate` (m): see Pushdown.
     """
 
-    def __init__(self, moving: _Moving, increment: float, to_collapse: bool) -> None:
+    def __init__(self, moving: Movements, increment: float, to_collapse: bool) -> None:
         self.moving, self.model, self.to_collapse = moving, moving.system.model, to_collapse
         larger_side = float(np.ptp(drawn_extent(self.model), axis=0).max())  # of the drawing
         self.limit = max(moving.full, larger_side) if to_collapse else moving.full
@@ -306,6 +195,7 @@ class _Path:
         self.ultimate: float | None = None
         self.end: Message | None = None
         self.index = self.model.support(moving.movements[0].support)
+        self.slid = False  # what turns alone has one set of forces, and stands up to its last equilibrium
         self.led = Led(moving.system, moving.begun)
         self.steps, self.movement = [self.led.last], [0.0]
         begun = self.led.last
@@ -329,6 +219,7 @@ class _Path:
         by, led = min(length, target - here), self.led
         guess = self.moving.moved(led.last.state.positions + by * led.rate, here + by)
         jumped = led.step(guess, by, self.moving.lever, shortest)
+        self.slid |= slides(led.last, by)
         self.steps.append(led.last)
         self.movement.append(here + by)
         self.certificates.append(led.last.certificate)
@@ -358,6 +249,33 @@ class _Path:
             raise error
         self.ultimate, self.end = self.movement[-1] if falls else None, error.message
 
+    def release(self) -> None:
+        """End a path to collapse at the last point from which the structure, released with a kick, does not fall."""
+        if self.final is None or not (self.to_collapse and self.slid):
+            return
+        movement = np.array(self.movement)
+        low, high = int(np.searchsorted(movement, self.moving.full * (1.0 - 1e-9))), None
+        for level in np.searchsorted(movement, np.array(KICKED) * movement[-1]):
+            if level > low and not self._stands(level):
+                high = int(level)
+                break
+            low = max(low, int(level))
+        if high is None:
+            return
+        while high - low > 1:
+            middle = (low + high) // 2
+            low, high = (middle, high) if self._stands(middle) else (low, middle)
+        del self.steps[low + 1 :], self.movement[low + 1 :], self.reactions[low + 1 :]
+        self.crossed = [(begun, end) for begun, end in self.crossed if end <= self.movement[-1]]
+        self.ultimate = self.movement[-1]
+        self.end = FALLS
+
+    def _stands(self, point: int) -> bool:
+        """Whether the structure, released at a point with a kick along the way to it, stands."""
+        before, state = (step.state for step in self.steps[point - 1 : point + 1])
+        system, way = self.moving.system, state.positions - before.positions
+        return stands_kicked(self.model, system.behaviour, system.sliding, state, way, KICKS[:1])
+
     @property
     def share(self) -> float:
         """Share of the path that is done: of the whole movement; how far away collapse is is not known."""
@@ -382,6 +300,9 @@ class _Path:
             return
         if rested is not step:
             self.certificates.append(rested.certificate)
+        if self.slid and not self._stands(len(self.steps) - 1):
+            self.ultimate, self.end = self.movement[-2], FALLS
+            return
         self.final = rested.state
 
     def _moves_as_a_whole(self, by: float) -> bool:
@@ -430,20 +351,3 @@ class _Path:
             whole=whole,
             reason=reason,
         )
-
-
-def whole_movement(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> float:
-    """Return the largest component of a support's movement, m; of a pure rotation, the arc at its farthest corner.
-
-    `displacement` (2,) m; `rotation` (rad), about the support's drawn centroid. Raises ArgumentError for an unknown
-    support.
-    """
-    corners = np.concatenate([model.blocks[i].polygon for i in model.support(support)])
-    far = float(np.hypot(*(model.from_origin(corners) - model.support_centre(support)).T).max())
-    return float(abs(np.asarray(displacement, dtype=float)).max()) or abs(rotation) * far
-
-
-def drawn_extent(model: Assembly) -> Array:
-    """Return the lower left and the upper right corner (2, 2) of the drawing's bounding box, m."""
-    points = np.concatenate([b.polygon for b in model.blocks])
-    return np.stack([points.min(axis=0), points.max(axis=0)])

@@ -9,14 +9,15 @@ import numpy as np
 
 from mechanics.kernels.interior.iteration import HOLDING, OrderedProgram, inertia, iterate
 from mechanics.kernels.interior.joints import ProgramJoints, keep_within_strength
-from mechanics.kernels.joint import CURVED, H
-from mechanics.kernels.law import BED, DILATION, FRICTION, STEEP
+from mechanics.kernels.joint import CURVED, TIED, H
+from mechanics.kernels.law import BED, DILATION, FRICTION, STEEP, STRENGTH
 from mechanics.program import LARGEST_MULTIPLIER, Program, Solution, bed_gaps, certify
 from mechanics.solvers.elimination import Elimination
 from mechanics.types import Array
 
 MOST_ITERATIONS, IDLE = 100, 10  # in all, and without progress
 ROUGH = 1e-3  # residual of a solution by the associative law near which another one begins
+WHOLE = 1e-2  # of one of joints that do not crush
 # distance from the bounds, per weight and step, at which a program begins near an earlier solution
 APART = 0.3
 COLD = 3.0  # per weight and step and root of the number of blocks: forces and gaps of a cold start
@@ -80,13 +81,30 @@ def cold(program: Program) -> Iterate:
     return Iterate(forces, gaps, 0.0, np.zeros(len(program.load)))
 
 
+def start(program: Program, layout: Elimination) -> Iterate:
+    """Return the start of a program of which nothing is known: cold, or near one of joints that do not crush.
+
+    What crushes makes the program non-convex, and far from its solution it does not converge.
+    """
+    crush = (
+        np.isinf(program.law[:, BED]) & (program.law[:, STRENGTH] < np.inf) & (program.places[:, TIED] == 0.0)
+    )
+    if not crush.any():
+        return cold(program)
+    law = program.law.copy()
+    law[crush, STRENGTH] = np.inf
+    whole = replace(program, law=law)
+    found, outcome = run(whole, layout, cold(whole), WHOLE)
+    return found.warm(program) if outcome.accepted else cold(program)
+
+
 def starts(program: Program, layout: Elimination) -> Iterator[Iterate]:
     """Yield starts far from any solution, the likeliest first.
 
     Without the lift of the associative law the program is no minimum, and a start may lead nowhere: then comes one near
     a rough solution of the associative program.
     """
-    yield cold(program)
+    yield start(program, layout)
     if (program.law[:, DILATION] < 1.0).any():
         lifting = with_dilation(program, 1.0)
         yield run(lifting, layout, cold(lifting), ROUGH)[0].warm(program)

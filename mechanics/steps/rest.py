@@ -144,13 +144,14 @@ def _step_from_rest(
     if warm and curved:
         full, solves = nearby(warm.warm(program)), 1
     if full is None:
-        cold = interior.cold(frozen)
-        for start in (warm and warm.warm(frozen), cold):
-            if start and not held:
-                held, solves = _solved(frozen, layout, start), solves + 1
+        if warm:
+            held, solves = _solved(frozen, layout, warm.warm(frozen)), solves + 1
+        if held is None:
+            held, solves = _solved(frozen, layout, interior.start(frozen, layout)), solves + 1
         if held is None and not shorter and system.dilation < 1.0:
             # a step by Coulomb's law may have no solution, one that lifts always has
-            held, solves = _solved(interior.with_dilation(frozen, 1.0), layout, cold), solves + 1
+            lifting = interior.with_dilation(frozen, 1.0)
+            held, solves = _solved(lifting, layout, interior.start(lifting, layout)), solves + 1
         if held and curved:
             begin = replace(held.warm(program, STEP.go_on), displacement=held.displacement)
             full, solves = nearby(begin), solves + 1

@@ -206,15 +206,13 @@ def solve_program(
     with the geometry makes a program of elastic joints non-convex, and far from its solution it does not converge.
     Raises NoEquilibriumError if the structure is unstable or no load moves it, ConvergenceError if it is not solved.
     """
-    unstable, solves = False, 0
+    unstable = False
     held = interior.frozen(program)
     skew = bool((program.law[:, DILATION] < 1.0).any())
     solved = STEP.slow if skew else GOOD
-    for tried, start in ((program, near), (held, interior.cold(held))):
-        if start is None:
-            continue
-        found, outcome = interior.run(tried, layout, start, accepted)
-        solves += 1
+    attempts = ((program, near), (held, None)) if near else ((held, None),)
+    for solves, (tried, start) in enumerate(attempts, 1):
+        found, outcome = interior.run(tried, layout, start or interior.start(tried, layout), accepted)
         if abs(found.alpha) > BOUNDED:
             raise NoEquilibriumError(
                 message("no mechanism: the load only wedges the blocks, the multiplier has no bound")

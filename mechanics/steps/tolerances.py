@@ -91,11 +91,12 @@ class LimitTolerances:
     """Tolerances of limit analysis.
 
     As shares of the block size: `closed`, gap that counts as closed; `onset`, displacement of a mechanism at its onset.
-    `repeats`: most programs for hinges that crush; `tries`: as many flows in a row lead to no lesser multiplier by
-    Coulomb's law, fewer where they have more than `tried` joints in all; `other`: most that their frictions are changed
-    by, as a share; `turn`: each so many of them is of the same frictions. `slight`: shares of μ|slip| by which joints
-    lift where Coulomb's law has no flow, in turns; `idle`: force, per weight, or motion, per `onset`, that is none;
-    `most_joints`: of a model whose least multiplier is sought: the linear programs grow faster than the flow's own.
+    `repeats`: most programs for hinges that crush, of which after a quarter none moves back to its edge; `tries`: as
+    many flows in a row lead to no lesser multiplier by Coulomb's law, fewer where they have more than `tried` joints in
+    all; `other`: most that their frictions are changed by, as a share; `turn`: each so many of them is of the same
+    frictions. `slight`: shares of μ|slip| by which joints lift where Coulomb's law has no flow, in turns; `idle`:
+    force, per weight, or motion, per `onset`, that is none; `most_joints`: of a model whose least multiplier is sought:
+    the linear programs grow faster than the flow's own.
     """
 
     closed: float = 1e-3

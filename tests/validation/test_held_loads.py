@@ -7,6 +7,7 @@ needs b/h; but what falls there under a held load rocks on over the other corner
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from tests.support.contact_dynamics import motion
 from tests.support.drawn_projects import drawn, tables
 from tests.support.leaning_block import GAP, B, H, leaning
 from tests.support.random_masonry import random_masonry
-from tests.support.structures import block_on_base, on_base, rectangle
+from tests.support.structures import block_on_base, built, on_base, rectangle
 
 BALANCE = math.atan(B / H)
 
@@ -186,6 +187,39 @@ def test_contact_dynamics_falls_and_stands_where_a_part_snaps_on_a_moving_suppor
     snapped = motion(model, np.zeros(3000), 1e-3, replace(state, positions=moved))[-1] - moved
     assert (abs(snapped[:, :2]).max() > model.size) is np.bool_(falls)
     assert len(path.crossed) == (0 if falls else 1)
+
+
+WALLS = {  # of three rows, 2 m wide: friction, tops of the rows, joints in each; the path went on to so many m
+    "442": (0.8, (0.506, 0.902, 1.254), ((0.582, 1.335), (0.507, 0.958, 1.421), (0.678, 1.323)), 0.744),
+    "405": (
+        0.6,
+        (0.435, 0.845, 1.444),
+        ((0.436, 1.064, 1.574), (0.569, 1.273), (0.555, 1.043, 1.532)),
+        0.697,
+    ),
+    "408": (0.6, (0.441, 1.008, 1.457), ((0.549, 1.233), (0.527, 0.976, 1.42), (0.607, 1.255)), 0.745),
+}
+
+
+@pytest.mark.parametrize("wall", WALLS)
+def test_contact_dynamics_holds_a_wall_up_to_its_ultimate_movement_and_not_beyond(wall, monkeypatch):
+    """Equilibria go on behind it, which stay where nothing moves. By contact dynamics they fall at once."""
+    friction, tops, joints, beyond = WALLS[wall]
+    rows = [
+        (left, low, right, top)
+        for low, top, row in zip((0.0, *tops), tops, joints, strict=False)
+        for left, right in pairwise((0.0, *row, 2.0))
+    ]
+    model = built(Material(20.0, friction), *rows, left=(-0.4, -0.3, 1.0, 0.0), right=(1.0, -0.3, 2.4, 0.0))
+    movement, increment = model.size * np.array([-0.02, -0.005]), 0.02 * model.size
+    told = pushdown(model, "right", movement, increment=increment, to_collapse=True)
+    monkeypatch.setattr("mechanics.procedures.pushdown.KICKED", ())
+    whole = pushdown(model, "right", movement, increment=increment, to_collapse=True)
+    assert whole.ultimate == pytest.approx(beyond, rel=1e-2)
+    for share, falls in ((0.95, False), (1.05, True)):
+        state = whole.states[int(np.argmin(abs(whole.movement - share * told.ultimate)))]
+        held = motion(model, np.zeros(2000), 1e-3, state)
+        assert (abs(held[-1] - held[0])[:, :2].max() > model.size) is np.bool_(falls)
 
 
 def test_an_elastic_arch_does_not_stand_because_it_lingers_where_it_balances():

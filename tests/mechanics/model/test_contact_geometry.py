@@ -82,12 +82,14 @@ def spread(lean: float) -> float:
 
 
 @pytest.mark.parametrize("friction", [0.15, 0.3])
-def test_feet_on_spreading_floors_slide_and_carry_no_more_than_friction(friction):
+def test_feet_on_spreading_floors_slide_and_carry_no_more_than_friction(friction, monkeypatch):
     """A corner on a flat floor is pushed by the floor's normal: points pushed it along the tilted leg's as well.
 
     The spreads are by the closed form of these legs. At the apex two corners meet: they slide off each other where each
-    leg has turned by more than the angle of friction.
+    leg has turned by more than the angle of friction. A kick of 2 mm/s fells the frame up to 3 % before that.
     """
+    told = pushdown(a_frame(friction), "right", (0.02, 0.0), increment=0.02, to_collapse=True).ultimate
+    monkeypatch.setattr("mechanics.procedures.pushdown.KICKED", ())
     path = pushdown(a_frame(friction), "right", (0.02, 0.0), increment=0.02, to_collapse=True)
     feet = np.concatenate(
         [abs(step.forces[:, 2]) / np.maximum(step.forces[:, 0], 1e-9) for step in path.steps]
@@ -95,6 +97,7 @@ def test_feet_on_spreading_floors_slide_and_carry_no_more_than_friction(friction
     assert feet.max() <= friction * (1.0 + 1e-6)
     feet, apex = sliding_lean(friction), np.arctan(friction)
     assert path.ultimate == pytest.approx(spread(min(feet, apex)), rel=1e-2)
+    assert 0.96 * path.ultimate < told <= path.ultimate
     slope = abs(path.reaction[:, 0]) / path.reaction[:, 1]
     assert slope.max() == pytest.approx(friction, rel=2e-3) if feet < apex else slope.max() < friction
 

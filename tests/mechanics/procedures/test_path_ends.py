@@ -18,7 +18,7 @@ from tests.support.random_masonry import random_masonry
 from tests.support.structures import arch_on_piers, block_on_base, built, on_base, rectangle
 
 STONE = Material(20.0, 0.6, 1e6)
-MODULE = {name: import_module(f"mechanics.procedures.{name}") for name in ("pushdown", "push_path")}
+MODULE = {name: import_module(f"mechanics.procedures.{name}") for name in ("support_movement", "push_path")}
 
 
 def test_a_structure_that_rides_with_its_support_has_no_ultimate_movement():
@@ -171,7 +171,7 @@ def test_where_nothing_stands_beyond_the_last_equilibrium_is_located(monkeypatch
 
 
 def test_a_movement_ends_where_nothing_stands_beyond(monkeypatch):
-    model, found = arch_on_piers(), MODULE["pushdown"].reach
+    model, found = arch_on_piers(), MODULE["support_movement"].reach
     increment, index, drawn = model.size / 50.0, model.support("right"), model.initial.positions
 
     def reach(problem, guess, last, shortest):
@@ -179,7 +179,7 @@ def test_a_movement_ends_where_nothing_stands_beyond(monkeypatch):
             raise RunawayError("a part falls")
         return found(problem, guess, last, shortest)
 
-    monkeypatch.setattr(MODULE["pushdown"], "reach", reach)
+    monkeypatch.setattr(MODULE["support_movement"], "reach", reach)
     with pytest.raises(CollapseError, match="a part falls") as collapse:
         pushdown(model, "right", (9.0 * increment, 0.0), increment=increment, to_collapse=True)
     path = collapse.value.path
