@@ -263,7 +263,7 @@ def basis(results: Results, words: Words) -> Iterator[Markup]:
     if results.echo.pushover:
         yield _range(results, words)
     if few_records(results)["incremental"]:
-        yield words("text.incremental_few")
+        yield words("text.few_records")
     # the greatest edge pressure beside the strength that was given
     strengths = [joint.compressive_strength_kN_m2 for joint in results.geometry.joints]
     limits = [each for each in strengths if each is not None]
