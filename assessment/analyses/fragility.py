@@ -127,12 +127,10 @@ def standard_value(records: Sequence[tuple[float | None, float | None]]) -> Stan
     withstood = [safe for collapse, safe in records if collapse is None]
     mean = float(np.mean(found)) if found and not withstood else None
     lowest = min(found, default=None)
-    bounds = [safe for safe in withstood if safe is not None]
-    if lowest is not None and (len(bounds) < len(withstood) or min(bounds, default=math.inf) < lowest):
+    if any(safe is None or safe < (lowest or 0.0) for safe in withstood):
         lowest = None
-    if len(records) < ENOUGH:
-        return Standard(mean, lowest, None)
-    return Standard(mean, lowest, "mean" if len(records) >= MEAN_FROM else "lowest")
+    enough = len(records) >= ENOUGH
+    return Standard(mean, lowest, ("mean" if len(records) >= MEAN_FROM else "lowest") if enough else None)
 
 
 @dataclass(frozen=True)

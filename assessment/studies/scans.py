@@ -190,11 +190,9 @@ class Scans:
         if asked.key in self.told:
             return
         self.told.add(asked.key)
-        state = asked.shaking.state
         if found.counts:
-            study.quality.append(
-                quality_row(state, f"{stage}, {asked.record}", found.counts.programs, found.worst)
-            )
+            what = asked.shaking.state, f"{stage}, {asked.record}"
+            study.quality.append(quality_row(*what, found.counts.programs, found.worst))
         study.failures += [headed(asked.title, found.reason)] if found.reason is not None else []
         study.warnings += [headed(asked.title, text) for text in (*found.notes, *_doubts(asked, found))]
         study.seconds += found.seconds

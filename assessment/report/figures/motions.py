@@ -140,13 +140,13 @@ def draw_ida(results: Results, words: Words, of: Sequence[Shaken]) -> Figure:
         record: {"color": state_style(n)["color"], "marker": mark, "markersize": 3.0, "linewidth": 0.6}
         for n, (record, mark) in enumerate(zip(records, cycle(MARKERS), strict=False))
     }
-    stood = [p.peak_displacement_m for _, points in curves for p in points if not p.collapsed]
-    reach = 1.1 * mm * max(map(known, stood), default=0.0) or 1.0
+    stood = (known(p.peak_displacement_m) for _, points in curves for p in points if not p.collapsed)
+    reach = 1.1 * mm * max(stood, default=0.0) or 1.0
     ends = [(row.lowest_collapse_g, row.pga_safe_g, *row.resurrections_g) for row, _ in curves]
     top = 1.15 * max((level for each in ends for level in each if level), default=1.0)
     dotted: dict[str, Any] = {"color": "0.4", "linewidth": 0.6, "linestyle": ":"}
     quoted: dict[str, Any] = {"color": "0.0", "linewidth": 0.6, "linestyle": DASHES[3]}
-    band: dict[str, Any] = {"color": BAND, "linewidth": 0.0}
+    all_fall = words.plain("figure.to_all_collapse")
     handles: list[Artist] = [key(record, **style[record]) for record in records]
     if any(row.sign < 0 and points for row, points in curves):
         handles.append(key(words.plain("figure.other_sign"), linewidth=0.6, linestyle=SIGNS[-1]))
@@ -160,10 +160,10 @@ def draw_ida(results: Results, words: Words, of: Sequence[Shaken]) -> Figure:
         fit, certain = each.fit, (each.fit.pga_collapse_g_range or [None, None])[1]
         if (counts := fit.pga_collapse_g) is not None:
             axes.axhline(counts, label=words.plain("figure.quoted_pga"), **quoted)
-            if certain is not None and certain > counts:
-                band["label"] = words.plain("figure.to_all_collapse")
-                axes.axhspan(counts, certain, zorder=0.5, **band)
-        for level in filter(None, (fit.level_16_g, fit.median_g, fit.level_84_g) if each.by_pga else ()):
+            if (certain or 0.0) > counts:
+                axes.axhspan(counts, certain or 0.0, label=all_fall, color=BAND, linewidth=0.0, zorder=0.5)
+        middle = fit.median_g if fit.level_16_g else None
+        for level in filter(None, (fit.level_16_g, middle, fit.level_84_g) if each.by_pga else ()):
             axes.axhline(level, label=words.plain("figure.probable"), **dotted)
         axes.set(xlabel=label("peak_displacement_m", words), xlim=(0.0, reach), ylim=(0.0, top))
         axes.set(ylabel=label("pga_g", words), title=_title(each, words))
