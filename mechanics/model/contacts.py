@@ -398,6 +398,6 @@ def _met(outlines: Outlines, drawn: Contacts, edges: Index, at: Array) -> Contac
     gap, overlap = end_gaps(places).min(axis=1), 2.0 * places[:, H]
     touch = (gap <= drawn.tolerance) & (gap >= -2.0 * drawn.tolerance) & (overlap > -2.0 * drawn.tolerance)
     faces[touch, PX : PZ + 1] += gap[touch, None] * along[touch, 0, ::-1] * (1.0, -1.0)
-    faces[:, A1] += drawn.tolerance
-    faces[:, A2] -= drawn.tolerance
+    faces[:, [A1, B1]] += 0.5 * drawn.tolerance
+    faces[:, [A2, B2]] -= 0.5 * drawn.tolerance
     return replace(found, faces=faces)

@@ -81,21 +81,21 @@ def cold(program: Program) -> Iterate:
     return Iterate(forces, gaps, 0.0, np.zeros(len(program.load)))
 
 
-def start(program: Program, layout: Elimination) -> Iterate:
-    """Return the start of a program of which nothing is known: cold, or near one of joints that do not crush.
+def cold_starts(program: Program, layout: Elimination) -> Iterator[Iterate]:
+    """Yield starts of a program of which nothing is known: near one whose rigid joints do not crush, and cold.
 
     What crushes makes the program non-convex, and far from its solution it does not converge.
     """
-    crush = (
-        np.isinf(program.law[:, BED]) & (program.law[:, STRENGTH] < np.inf) & (program.places[:, TIED] == 0.0)
-    )
-    if not crush.any():
-        return cold(program)
-    law = program.law.copy()
-    law[crush, STRENGTH] = np.inf
-    whole = replace(program, law=law)
-    found, outcome = run(whole, layout, cold(whole), WHOLE)
-    return found.warm(program) if outcome.accepted else cold(program)
+    strength, bed = program.law[:, STRENGTH], program.law[:, BED]
+    crush = np.isinf(bed) & (strength < np.inf) & (program.places[:, TIED] == 0.0)
+    if crush.any():
+        law = program.law.copy()
+        law[crush, STRENGTH] = np.inf
+        whole = replace(program, law=law)
+        found, outcome = run(whole, layout, cold(whole), WHOLE)
+        if outcome.accepted:
+            yield found.warm(program)
+    yield cold(program)
 
 
 def starts(program: Program, layout: Elimination) -> Iterator[Iterate]:
@@ -104,7 +104,7 @@ def starts(program: Program, layout: Elimination) -> Iterator[Iterate]:
     Without the lift of the associative law the program is no minimum, and a start may lead nowhere: then comes one near
     a rough solution of the associative program.
     """
-    yield start(program, layout)
+    yield from cold_starts(program, layout)
     if (program.law[:, DILATION] < 1.0).any():
         lifting = with_dilation(program, 1.0)
         yield run(lifting, layout, cold(lifting), ROUGH)[0].warm(program)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
@@ -144,14 +145,16 @@ def _step_from_rest(
     if warm and curved:
         full, solves = nearby(warm.warm(program)), 1
     if full is None:
-        if warm:
-            held, solves = _solved(frozen, layout, warm.warm(frozen)), solves + 1
-        if held is None:
-            held, solves = _solved(frozen, layout, interior.start(frozen, layout)), solves + 1
-        if held is None and not shorter and system.dilation < 1.0:
+        programs = [frozen]
+        if not shorter and system.dilation < 1.0:
             # a step by Coulomb's law may have no solution, one that lifts always has
-            lifting = interior.with_dilation(frozen, 1.0)
-            held, solves = _solved(lifting, layout, interior.start(lifting, layout)), solves + 1
+            programs.append(interior.with_dilation(frozen, 1.0))
+        first = [(frozen, warm.warm(frozen))] if warm else []
+        cold = ((tried, start) for tried in programs for start in interior.cold_starts(tried, layout))
+        for tried, start in chain(first, cold):
+            held, solves = _solved(tried, layout, start), solves + 1
+            if held:
+                break
         if held and curved:
             begin = replace(held.warm(program, STEP.go_on), displacement=held.displacement)
             full, solves = nearby(begin), solves + 1

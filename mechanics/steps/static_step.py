@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 
@@ -210,9 +211,10 @@ def solve_program(
     held = interior.frozen(program)
     skew = bool((program.law[:, DILATION] < 1.0).any())
     solved = STEP.slow if skew else GOOD
-    attempts = ((program, near), (held, None)) if near else ((held, None),)
+    first = [(program, near)] if near else []
+    attempts = chain(first, ((held, start) for start in interior.cold_starts(held, layout)))
     for solves, (tried, start) in enumerate(attempts, 1):
-        found, outcome = interior.run(tried, layout, start or interior.start(tried, layout), accepted)
+        found, outcome = interior.run(tried, layout, start, accepted)
         if abs(found.alpha) > BOUNDED:
             raise NoEquilibriumError(
                 message("no mechanism: the load only wedges the blocks, the multiplier has no bound")

@@ -127,14 +127,19 @@ def column(
 
 
 def springing_arch(
-    lip: float = 0.0, ledge: float = 0.0, strength: float = np.inf, stiffness: float | None = None
+    lip: float = 0.0,
+    ledge: float = 0.0,
+    strength: float = np.inf,
+    stiffness: float | None = None,
+    friction: float = 0.7,
+    collisions: bool = True,
 ) -> Assembly:
     """A segmental arch of nine voussoirs between skewbacks on two piers, span 2.4 m, as they are drawn.
 
     `lip` (m): of the skewbacks, upright below the springing; `ledge` (m): by which it is set back on them, or on the
     piers. Without a lip the foot of the intrados lies on a pier, at its corner where there is no ledge.
     """
-    stone = Material(20.0, 0.7, stiffness, compressive_strength=strength)
+    stone = Material(20.0, friction, stiffness, compressive_strength=strength)
     half, thick, pier, top = np.radians(55.0), 0.4, 0.8, 2.0
     radius = (1.2 + ledge) / np.sin(half)
     centre = np.array([0.0, top + lip - radius * np.cos(half)])
@@ -153,4 +158,4 @@ def springing_arch(
         blocks.append(Block(skewback, 1.0, stone))
     pairs = zip(inner, outer, inner[1:], outer[1:], strict=False)
     blocks += [Block([a, b, d, c], 1.0, stone) for a, b, c, d in pairs]
-    return Assembly(blocks)
+    return Assembly(blocks, collisions=collisions)

@@ -19,7 +19,7 @@ from mechanics import (
     time_history,
 )
 from mechanics.steps.static_system import static_system
-from tests.support.structures import built, on_base, rectangle
+from tests.support.structures import built, on_base, rectangle, springing_arch
 
 NONE = 1e-6  # a friction that is next to none: associated sliding then lifts nothing
 
@@ -100,6 +100,21 @@ def test_feet_on_spreading_floors_slide_and_carry_no_more_than_friction(friction
     assert 0.96 * path.ultimate < told <= path.ultimate
     slope = abs(path.reaction[:, 0]) / path.reaction[:, 1]
     assert slope.max() == pytest.approx(friction, rel=2e-3) if feet < apex else slope.max() < friction
+
+
+@pytest.mark.parametrize(
+    ("friction", "joints_alone"), [(0.4, 0.04407), (0.45, 0.09956), (0.5, 0.15748), (0.6, 0.20640)]
+)
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+def test_a_corner_on_a_corner_holds_no_skewback_that_slides(friction, joints_alone, direction):
+    """The foot of the intrados lies on the pier's corner: as that corner on the voussoir's face, it held the slide.
+
+    α was 0.1695 to 0.2064. On the pier's top, on which it may slide too, it bears a thousandth.
+    """
+    held = limit_analysis(springing_arch(friction=friction), direction).alpha
+    apart = limit_analysis(springing_arch(friction=friction, collisions=False), direction).alpha
+    assert apart == pytest.approx(joints_alone, abs=1e-5)
+    assert held == pytest.approx(apart, rel=3e-3)
 
 
 def beam(left: float, right: float) -> Assembly:
