@@ -370,7 +370,7 @@ class Sheet:
 
     def _by_lines(self) -> Iterator[Fault]:
         for layer, line in self.enclosed:
-            x, z = (0.5 * (line.min(axis=0) + line.max(axis=0))).tolist()
+            x, z = (np.round(0.5 * (line.min(axis=0) + line.max(axis=0)), 9) + 0.0).tolist()
             text = (
                 f'layer "{layer}": LINEs around ({x:.9g}, {z:.9g}) enclose what is no block; join them to a closed '
                 "polyline, or move them to a layer of their own if it is none"

@@ -204,7 +204,8 @@ class Placed:
 
     def at(self, *points: Array) -> Message:
         """Return layer, type, handle and coordinates (drawing units) of none, one or two points, for a message."""
-        places = [f"({p[0]:.9g}, {p[1]:.9g})" for p in points]
+        told = np.where(abs(np.array(points)) < 1e-9, 0.0, points)  # what rounding leaves of 0 is 0
+        places = [f"({x:.9g}, {y:.9g})" for x, y, *_ in told]
         place = message("no point") if not places else places[0]
         if len(places) == 2:
             place = message("{first} and {second}", first=places[0], second=places[1])

@@ -453,6 +453,5 @@ def name_of(blocks: Sequence[Block], index: int) -> Message:
 def place_of(point: Array) -> str:
     """Return a point (2,) m as text, for a message."""
     x, z = np.round(point, 9) + 0.0  # no −0, no rounding's remains
-    before = len(str(int(abs(np.asarray(point)).max())))
-    digits = max(6, before + 4)  # far from the origin, too, to a tenth of a millimetre
+    digits = max(6, len(str(int(abs(np.asarray(point)).max()))) + 4)  # 0.1 mm, far from the origin too
     return f"({x:.{digits}g}, {z:.{digits}g}) m"

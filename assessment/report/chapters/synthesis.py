@@ -8,13 +8,13 @@ from markupsafe import Markup
 from assessment.ntc.tables import INDEXED, LINEAR, USE_COEFFICIENT, return_period
 from assessment.report.chapters.grids import Grid, grid
 from assessment.report.chapters.remarks import few_records
-from assessment.report.language import Words, direction_name, indexed, label, written
+from assessment.report.language import Words, direction_name, indexed, label, number, written
 from assessment.report.tables.dynamic import shaken
 from assessment.report.tables.mechanisms import mechanism_name
 from assessment.report.tables.structure import bounded, edge_pressures
 from assessment.results import summary
 from assessment.results.hand_check import governing_view, rigid_push
-from assessment.results.schema import Part, Results, SummaryCheck, SummaryRow, known, present
+from assessment.results.schema import QUANTITIES, Part, Results, SummaryCheck, SummaryRow, known, present
 from assessment.results.table import ORIGINAL, Row, Table, reduction
 
 QUALITY_ANNEX = "D"  # of the report: where warnings are listed
@@ -93,8 +93,8 @@ def _of_state(results: Results, name: str, words: Words) -> Markup:
     if loss is not None and value is not None and loss < 1.0:
         before = written(quantity, value / (1.0 - loss), words)
         kind = "indistinct" if distinct is False else "loss" if loss >= 0.0 else "gain"
-        change = words(f"synthesis.{kind}", share=abs(loss))
-        said += words("synthesis.before", before=before, change=change)
+        kind = "unchanged" if number(QUANTITIES["reduction"], loss, words) == "0" else kind
+        said += words("synthesis.before", before=before, change=words(f"synthesis.{kind}", share=abs(loss)))
     elif check and (was := drawn.get(row.direction)):
         said += words("synthesis.before_by", before=was.zeta_E, kind=_kind(was, words))
     return said + Markup.escape(f". {outcome}" if outcome else ".")

@@ -23,6 +23,12 @@ def test_open_polyline(tmp_path):
     assert "close it" in message
 
 
+def test_what_rounding_leaves_of_a_coordinate_is_told_as_0(tmp_path):
+    document, space = drawing()
+    outline(space, [(8.3e-17, -0.0), (10, 2), (10, 10), (1.5, 5)], "PIERS", close=False)
+    assert "at (0, 0) and (1.5, 5) is open" in refused(document, tmp_path)
+
+
 @pytest.mark.parametrize(
     ("points", "where"),
     [

@@ -185,6 +185,16 @@ def test_without_an_assessment_the_multiplier_is_the_answer():
     assert "erified" not in said and "ζ" not in " ".join(found for found in synthesis_grid(found, WORDS).head)
 
 
+def test_what_a_settlement_leaves_as_it_was_is_unchanged_and_no_increase_of_0():
+    results = results_example("en")
+    for content in results["states"].values():
+        content["capacity"] = {}
+    results["states"][SETTLED]["pushover"] = results["states"]["original"]["pushover"]
+    results["echo"]["assessment"] = None
+    said = Markup(lead(typed(results), WORDS)[0]).striptags()
+    assert re.search(r"before the settlement 0\.\d+: unchanged\.", said)
+
+
 def test_the_range_stands_beside_the_index_that_is_used():
     results = results_example("en")
     for state in results["states"].values():
