@@ -3,11 +3,10 @@
 import multiprocessing
 import os
 import platform
-import queue
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import CancelledError, Future, ProcessPoolExecutor
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from functools import partial
@@ -111,24 +110,12 @@ def finished(
 
     `futures` may grow. Of those finished together failed ones come last. Raises what they raised, or KilledError.
     """
-    ended: queue.SimpleQueue[Future[Result]] = queue.SimpleQueue()
     heard: set[Future[Result]] = set()
-    left = 0
-    while True:
-        for future in futures.keys() - heard:
-            heard.add(future)
-            left += 1
-            future.add_done_callback(ended.put)
-        if not left:
-            return
-        try:
-            done = [ended.get(timeout=LOOK)]
-        except queue.Empty:
+    while left := futures.keys() - heard:
+        done, _ = wait(left, timeout=LOOK, return_when=FIRST_COMPLETED)
+        heard |= done
+        if not done:
             meanwhile()
-            continue
-        while not ended.empty():
-            done.append(ended.get())
-        left -= len(done)
         for future in sorted(done, key=lambda each: each.cancelled() or each.exception() is not None):
             yield futures[future], result_of(future)
 
