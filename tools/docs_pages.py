@@ -115,7 +115,7 @@ def _project_sections(path: schema.KeyPath, told: set[type[BaseModel]]) -> Itera
     base = table.__base__
     known = base.model_fields.keys() if base in told and base is not None else ()
     inner, about = schema.tables_of(table), cleandoc(table.__doc__ or "").partition("\n")[0]
-    header, meaning = "".join(toml_header(path)), about.partition(": ")[2] or about
+    header, meaning = toml_header(path) if path else "", about.partition(": ")[2] or about
     lines = [f"### `{header}`" if header else "### At the top", "", meaning[:1].upper() + meaning[1:], ""]
     lines += ["| key | default | meaning |", "|---|---|---|"]
     for key, field in table.model_fields.items():

@@ -1,8 +1,7 @@
-"""The blocks of a project's drawing: bonds cut, and what the regions of the project say of blocks put on them."""
+"""The blocks of a project's drawing: bonds cut, regions put on them, and those that a mechanism or a point names."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
 
 import numpy as np
 import shapely
@@ -13,23 +12,18 @@ from shapely.ops import unary_union
 from assessment.ntc.tables import psi_2
 from assessment.project.catalogue.geometry import courses, fitted, rectangle, running_bond, tidied
 from assessment.project.project import Project
-from assessment.project.schema import BondTable, LayerTable, MechanismTable
+from assessment.project.schema import BondTable, LayerTable, MaterialTable, MechanismTable
 from assessment.runtime.errors import ProjectError, nearest
 from mechanics import ArgumentError, Assembly, Block, Material
 from mechanics.messages import layer_key
-from mechanics.model import Drawing, Layer, V, end_gaps, of_block
+from mechanics.model import Drawing, Layer, of_block
 from mechanics.types import Array
 
 MOST_BLOCKS = 10_000  # that a bond makes of one outline
 TOUCHING = 1e-6  # of an outline's size: an opening may end at its edge
 SLIVER = 0.2  # of a block's least size: what is thinner is joined to its neighbour
-MATERIAL = {  # keys of [material] and of layers, and what a material calls them
-    "unit_weight_kN_m3": "unit_weight",
-    "friction": "friction",
-    "normal_stiffness_kN_m3": "normal_stiffness",
-    "tangential_stiffness_kN_m3": "tangential_stiffness",
-    "compressive_strength_kN_m2": "compressive_strength",
-}
+# keys of [material] and of layers, and what a material calls them: without their unit
+MATERIAL = {key: key.partition("_kN")[0] for key in MaterialTable.model_fields}
 
 
 def as_built(project: Project, drawing: Drawing) -> Drawing:
@@ -61,13 +55,10 @@ def as_built(project: Project, drawing: Drawing) -> Drawing:
 
 def layer_of(project: Project, table: LayerTable | None) -> Layer:
     """What blocks are: a table's keys before [material] and [geometry]. Raises ProjectError where no joint is such."""
-    given = {key: getattr(table, key, None) for key in MATERIAL}
-    own: dict[str, Any] = {
-        name: getattr(project.material, key) if given[key] is None else given[key]
-        for key, name in MATERIAL.items()
-    }
+    own = table.model_dump(include={*MATERIAL}, exclude_none=True) if table else {}
+    given = project.material.model_dump() | own
     try:
-        material = Material(**own)
+        material = Material(**{MATERIAL[key]: value for key, value in given.items()})
     except ValueError as error:
         raise ProjectError(f"{project.source}: material: {error}") from None
     if table is None:
@@ -230,70 +221,3 @@ def _blocks(entry: MechanismTable, model: Assembly, key: str) -> NDArray[np.intp
     if not chosen.any():
         raise ProjectError(f"{key}: no movable block is chosen; correct layers, region_m or blocks")
     return np.flatnonzero(chosen)
-
-
-FAR = 0.5  # of a block's size: a joint farther from the point of a crack is not the one that was measured
-
-
-@dataclass(frozen=True)
-class Gauge:
-    """Where something is measured: the value that it shows depends on the positions of the blocks alone.
-
-    Of a crack or slip: `joint`, and `end` (0, 1) of it that is nearest to the point. Of a lean: `block`. Of a relative
-    displacement: `point` (m, as drawn) of `block`, against `origin` of `origin_block` (None: the benchmark), along
-    `axis` (0: x, 1: z). `block` is in every case one that the point moves with.
-    """
-
-    kind: Literal["crack", "slip", "lean", "relative"]
-    point: tuple[float, float]
-    block: int
-    joint: int = -1
-    end: int = 0
-    origin: tuple[float, float] | None = None
-    origin_block: int | None = None
-    axis: int = 0
-
-
-def gauges(project: Project, model: Assembly) -> tuple[Gauge, ...]:
-    """Return the gauges of all measurements. Raises ProjectError for a point at no joint, in no block, twice in one."""
-    found = []
-    for each in project.measurement:
-        key = f"{project.source}: measurement.{each.name}"
-        if each.kind in ("crack", "slip"):
-            ends, point = model.joints.ends, np.array(each.point_m)
-            distance = shapely.distance(shapely.linestrings(ends), shapely.Point(point))
-            joint = int(np.argmin(distance))
-            if (away := distance[joint]) > FAR * model.size:
-                text = f"{list(each.point_m)} is at no joint (the nearest one is {away:.4g} m away); move it there"
-                raise ProjectError(f"{key}.point_m: {text}")
-            end, block = int(np.argmin(np.hypot(*(ends[joint] - point).T))), int(model.joints.a[joint])
-            found.append(Gauge(each.kind, each.point_m, block, joint, end))
-            continue
-        block = block_at(model, f"{key}.point_m", each.point_m)
-        gauge = Gauge(each.kind, each.point_m, block, axis=int(each.component == "z"))
-        if isinstance(each.from_m, tuple):
-            other = block_at(model, f"{key}.from_m", each.from_m)
-            if other == gauge.block:
-                raise ProjectError(f"{key}.from_m: in the same block as point_m; write a point of another")
-            gauge = replace(gauge, origin=each.from_m, origin_block=other)
-        found.append(gauge)
-    return tuple(found)
-
-
-def readings(model: Assembly, found: Sequence[Gauge], positions: Array) -> Array:
-    """Return what the gauges show (m,) at positions (b, 3): mm, of a lean mrad."""
-    places = model.contacts.places(positions)[: len(model.joints.a)]
-    gaps, shown = end_gaps(places), []
-    for each in found:
-        if each.kind == "crack":
-            shown.append(gaps[each.joint, each.end])
-        elif each.kind == "slip":
-            shown.append(abs(places[each.joint, V]))
-        elif each.kind == "lean":
-            shown.append(positions[each.block, 2])
-        else:
-            moved = model.point_displacement(each.point, each.block, positions)
-            if each.origin is not None and each.origin_block is not None:
-                moved = moved - model.point_displacement(each.origin, each.origin_block, positions)
-            shown.append(moved[each.axis])
-    return 1000.0 * np.array(shown, dtype=float)

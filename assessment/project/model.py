@@ -8,7 +8,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from assessment.project import masonry
+from assessment.project import gauges, masonry
 from assessment.project.plausibility import implausible
 from assessment.project.project import Project
 from assessment.project.schema import StrengtheningTable, TieTable
@@ -181,7 +181,7 @@ def build_model(project: Project) -> ProjectModel:
             text = f'{list(point.point_m)} is in the support "{block.support}", which no push moves'
             raise ProjectError(f"{key}: {text}; move it into another block")
     masonry.chosen_mechanisms(project, assembly)  # raises for wrong mechanisms before any analysis
-    masonry.gauges(project, assembly)  # likewise
+    gauges.gauges(project, assembly)  # likewise
     states = state_models(project, assembly)
     far = assembly.as_drawn([0.0, 0.0])
     if far.any():

@@ -14,7 +14,6 @@ _DECIMAL_COMMA = re.compile(r"(?<![\w.,])([+-]?\d+),(\d+(?:[eE][+-]?\d+)?)(?![\w
 _TEXT = re.compile(r"\"[^\"]*\"|'[^']*'|#.*")  # in which no number is looked for
 _LONG_KEY = re.compile(r"""(?<![\w"'-])(?:[\w"'-]++[ \t]*+\.[ \t]*+){40}""")
 MOST_BYTES = 2_000_000  # of a project file
-_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 COLUMN = 40  # where the meanings begin
 MARK = {"en": "TO FILL IN: ", "it": "DA COMPILARE: "}
 
@@ -26,11 +25,10 @@ def read_toml(path: Path) -> dict[str, Any]:
     if len(raw) > MOST_BYTES:
         text = f"more than {MOST_BYTES} bytes; keep what describes the project"
         raise ProjectError(f"{path.name}: file: {text}")
-    raw = raw.removeprefix(_BYTE_ORDER_MARK)
     try:
-        text = raw.decode("utf-8")
+        text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        number = raw.count(b"\n", 0, error.start) + 1
+        number = error.object.count(b"\n", 0, error.start) + 1
         raise ProjectError(f"{path.name}: line {number}: not UTF-8 text; save the file as UTF-8") from None
     if key := _LONG_KEY.search(text):  # no key has so many, and the time to read one grows with their square
         number = text.count("\n", 0, key.start()) + 1
@@ -53,13 +51,12 @@ def commented_toml(content: Mapping[str, Any], marked: Collection[KeyPath] = ())
     explained: set[type[ProjectTable]] = set()
     lines: list[str] = []
     absent: list[KeyPath] = []
-    for path, given in toml_tables(content):
+    for path, given in _tables(content):
         lines += _header(path)
-        for key, value in plain_values(given).items():
+        for key, value in _plain(given).items():
             mark = MARK["en"] if (*path, key) in marked else ""
             lines.append(_beside(_line(key, value), mark + keys_at(path).get(key, "")))
-        table = table_at(path)
-        if table and table not in explained:
+        if (table := table_at(path)) and table not in explained:
             explained.add(table)
             lines += _left_out(path, given)
             absent = [(*path, *entry) for entry in entries_of(table) if not given.get(str(entry[0]))] + absent
@@ -73,8 +70,7 @@ def _header(path: KeyPath, mark: str = "") -> list[str]:
         return []
     # an entry of a list
     named = path[:-1] if len(path) > 1 and table_at(path[:-1]) is table_at(path) else path
-    blank, header = toml_header(path)
-    return [blank, _beside(mark + header, keys_at(named[:-1]).get(str(named[-1])))]
+    return ["", _beside(mark + toml_header(path), keys_at(named[:-1]).get(str(named[-1])))]
 
 
 def _left_out(path: KeyPath, given: Mapping[str, Any]) -> Iterator[str]:
@@ -90,8 +86,7 @@ def _left_out(path: KeyPath, given: Mapping[str, Any]) -> Iterator[str]:
 def _table_left_out(path: KeyPath) -> Iterator[str]:
     yield from _header(path, mark="# ")
     yield from _left_out(path, {})
-    table = table_at(path)
-    for entry in entries_of(table) if table else ():
+    for entry in entries_of(table_at(path) or ProjectTable):
         yield from _table_left_out((*path, *entry))
 
 
@@ -99,27 +94,27 @@ def _beside(line: str, meaning: str | None) -> str:
     return f"{line:<{COLUMN}} # {meaning}" if meaning else line
 
 
-def toml_tables(table: Mapping[str, Any], path: KeyPath = ()) -> Iterator[tuple[KeyPath, Mapping[str, Any]]]:
+def _tables(table: Mapping[str, Any], path: KeyPath = ()) -> Iterator[tuple[KeyPath, Mapping[str, Any]]]:
     """Yield the tables of the content with their paths, in the order of the file; not those of tables only."""
-    if plain_values(table) or not table:
+    if _plain(table) or not table:
         yield path, table
     for key, value in table.items():
         if isinstance(value, Mapping):
-            yield from toml_tables(value, (*path, key))
+            yield from _tables(value, (*path, key))
         elif _is_tables(value):
             for number, entry in enumerate(value):
-                yield from toml_tables(entry, (*path, key, number))
+                yield from _tables(entry, (*path, key, number))
 
 
-def plain_values(table: Mapping[str, Any]) -> dict[str, Any]:
+def _plain(table: Mapping[str, Any]) -> dict[str, Any]:
     """Return what a table holds beside tables and lists of tables."""
     return {key: value for key, value in table.items() if not _is_tables(value)}
 
 
-def toml_header(path: KeyPath) -> list[str]:
-    """Return the lines that open the table at `path`: an empty one and its name in brackets."""
+def toml_header(path: KeyPath) -> str:
+    """Return the name of the table at `path` in brackets."""
     name = ".".join(_key(part) for part in path if isinstance(part, str))
-    return ["", f"[[{name}]]" if isinstance(path[-1], int) else f"[{name}]"] if path else []
+    return f"[[{name}]]" if isinstance(path[-1], int) else f"[{name}]"
 
 
 def _line(key: str, value: Any) -> str:

@@ -12,7 +12,7 @@ from scipy.special import gammaincc
 
 from assessment.analyses.found import as_part
 from assessment.analyses.paths import quality_row
-from assessment.project.masonry import Gauge, gauges, readings
+from assessment.project.gauges import Gauge, gauges, readings
 from assessment.project.project import Project
 from assessment.project.schema import MeasurementTable
 from assessment.results.schema import Configuration, QualityRow

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from assessment.project.schema import ProjectContent
 
 MOST_INCREMENTS = 100_000
-LEAST_MOVEMENT = 1e-7
-"""Movements below it, m and rad, are slips of the unit, and no longer told from rounding."""
+LEAST_MOVEMENT = 1e-7  # m and rad: less is a slip of the unit, and no longer told from rounding
 SHORTEST_TIE = 1e-6  # m
 ELONGATION = 0.025  # (A_gt)k of B450A: the least of a steel of NTC 2018, §11.3.2.2
 
