@@ -35,7 +35,7 @@ def model_picture(folder: Path) -> dict[str, Any]:
     """Return what the drawing of a project is: its blocks and joints, or its outlines and faults; and warnings.
 
     Lengths in m. `tag`: by which it is known what is drawn; `error`: why a run would refuse the project; `self_weight`:
-    whether it stands, None where that is not known; `expected`, `elapsed`: see workflow.duration. Raises ProjectError
+    whether it stands, None where that is not known; `expected`, `elapsed`: see workflow.checking. Raises ProjectError
     where the keys of the project file are wrong.
     """
     project, contradictions = survey_project(folder)

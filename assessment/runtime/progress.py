@@ -226,10 +226,9 @@ def locked(folder: Path) -> Iterator[None]:
             "or give another folder with --out DIR"
         ) from None
     try:
-        host, now = platform.node(), time.strftime("%H:%M")
-        facts = json.dumps({"pid": os.getpid(), "host": host, "since": time.time()})
+        text = f"process {os.getpid()} on {platform.node()} since {time.strftime('%H:%M')}"
         with suppress(OSError):  # Windows keeps a locked file to itself, also from this
-            path.write_text(f"process {os.getpid()} on {host} since {now}\n{facts}\n", encoding="utf-8")
+            path.write_text(json.dumps(asdict(Holder(text, os.getpid()))), encoding="utf-8")
         yield
     finally:
         with suppress(OSError):  # before it is released: who waits for the removed file opens a new one
@@ -260,9 +259,8 @@ def holder(folder: Path) -> Holder | None:
 
 def _read(path: Path) -> Holder:
     """Return who holds a lock, as far as its file says."""
-    with suppress(OSError, ValueError, TypeError, KeyError, RecursionError):
-        text, _, facts = path.read_text(encoding="utf-8").partition("\n")
-        return Holder(text, int(json.loads(facts)["pid"]))
+    with suppress(OSError, ValueError, TypeError, RecursionError):
+        return Holder(**json.loads(path.read_text(encoding="utf-8")))
     return Holder("a process which has just begun", None)
 
 

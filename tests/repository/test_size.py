@@ -19,7 +19,7 @@ LINES = {
     "assessment/project": 4459,
     "assessment/report": 5484,
     "assessment/results": 3085,
-    "assessment/runtime": 1346,
+    "assessment/runtime": 1344,
     "assessment/studies": 2253,
     "assessment/workflow": 909,
     "mechanics": 934,
