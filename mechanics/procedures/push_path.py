@@ -312,14 +312,15 @@ class PushPath:
     def _rest(self, alpha: float, start: State, farthest_back: float) -> Equilibrium | None:
         """Return the rest, under a held multiplier, of what is released in a state.
 
-        None if there is none, or not beyond a displacement (m) of the control point.
+        None if it falls, or rests not beyond a displacement (m) of the control point. Raises ConvergenceError if that
+        is not decided.
         """
         size = max(self.push.increment, 1e-3 * self.model.size)
         load = self.model.dead_load + alpha * self.lateral
         problem = StepProblem(self.points[-1].step.system, start, load, size)
         try:
             rested = motion_to_rest(problem, start.positions)
-        except (NoEquilibriumError, ConvergenceError):
+        except RunawayError:
             return None
         return rested if self.along(rested.state.positions) > farthest_back else None
 
