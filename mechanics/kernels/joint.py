@@ -23,7 +23,7 @@ import numpy as np
 
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.law import FRICTION, STEEPEST
-from mechanics.types import Array
+from mechanics.types import Array, Mask
 
 compiled = compiler(allocates=False)
 
@@ -127,6 +127,15 @@ def friction_between(places: Array, law: Array) -> None:
         if turned > 0.0:
             friction = np.tan(max(np.arctan(law[k, FRICTION]) - turned, LEAST))
             law[k, FRICTION] = friction if friction < STEEPEST else law[k, FRICTION]
+
+
+def bears(places: Array, law: Array, least: float) -> Mask:
+    """Whether joints (j,) overlap by half of `least` (m), and both faces admit some direction of a force.
+
+    `law` (j, LAW): with the friction of friction_between.
+    """
+    found: Mask = (places[:, H] > least) & ~((law[:, FRICTION] <= 2.0 * LEAST) & (law[:, FRICTION] > 0.0))
+    return found
 
 
 @compiled

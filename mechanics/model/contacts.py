@@ -19,8 +19,10 @@ from mechanics.kernels.joint import (
     A2,
     B1,
     B2,
+    BETA,
     FACE,
     LENGTH,
+    LEVEL,
     LX,
     LZ,
     MEET,
@@ -392,12 +394,20 @@ def _met(outlines: Outlines, drawn: Contacts, edges: Index, at: Array) -> Contac
     a, b = outlines.owner[edges].T
     found = between(outlines.blocks, a, b, faces, 0, edges, drawn.tolerance)
     # what touches within the tolerance as drawn does so without a gap, a wider one is a gap; blocks that are drawn into
-    # each other by it do so at most twice as far; corners, which no stone has sharper, must overlap by it
+    # each other by it do so at most twice as far; corners, which no stone has sharper, must overlap by it, and coincide
+    # where they are drawn within twice as much of each other
     centroid = np.array([block.centroid for block in outlines.blocks])
-    places = found.places(np.column_stack([centroid, np.zeros(len(centroid))]))
+    drawing = np.column_stack([centroid, np.zeros(len(centroid))])
+    places = found.places(drawing)
     gap, overlap = end_gaps(places).min(axis=1), 2.0 * places[:, H]
     touch = (gap <= drawn.tolerance) & (gap >= -2.0 * drawn.tolerance) & (overlap > -2.0 * drawn.tolerance)
     faces[touch, PX : PZ + 1] += gap[touch, None] * along[touch, 0, ::-1] * (1.0, -1.0)
     faces[:, [A1, B1]] += 0.5 * drawn.tolerance
     faces[:, [A2, B2]] -= 0.5 * drawn.tolerance
+    wide = faces.copy()
+    wide[:, MEET] *= 2.0
+    beta, phi = replace(found, faces=wide).places(drawing)[:, [BETA, PHI]].T
+    beyond = np.where(touch & (beta > 0.0) & (beta < 1.0), (1.0 - 2.0 * beta) * wide[:, MEET], 0.0)
+    faces[:, B2] -= np.where(phi <= LEVEL, beyond, 0.0)
+    faces[:, B1] += np.where(phi > LEVEL, beyond, 0.0)
     return replace(found, faces=faces)

@@ -205,7 +205,7 @@ class _Path:
             with suppress(RunawayError):  # whether the path ends there the first step decides
                 begun = self.led.reach(guess, moving.lever * onset, True).step
         self.reactions = [reaction(begun, self.index)[:2]]
-        self.certificates = [self.led.last.certificate, begun.certificate]
+        self.others = [begun.certificate]  # certificates of what is no point of the path
         self.crossed: list[tuple[float, float]] = []
 
     def advance(self, length: float, shortest: bool) -> bool:
@@ -222,7 +222,6 @@ class _Path:
         self.slid |= slides(led.last, by)
         self.steps.append(led.last)
         self.movement.append(here + by)
-        self.certificates.append(led.last.certificate)
         self.reactions.append(reaction(led.last, self.index)[:2])
         if jumped:
             self.crossed.append((here, here + by))
@@ -250,25 +249,26 @@ class _Path:
         self.ultimate, self.end = self.movement[-1] if falls else None, error.message
 
     def release(self) -> None:
-        """End a path to collapse at the last point from which the structure, released with a kick, does not fall."""
-        if self.final is None or not (self.to_collapse and self.slid):
+        """End a path on which joints slide at its last point from which the structure, kicked, does not fall.
+
+        Of a path to collapse, beyond the whole movement; of one that falls before or after it, from its start.
+        """
+        if not self.slid or (self.final is not None and not self.to_collapse):
             return
-        movement = np.array(self.movement)
-        low, high = int(np.searchsorted(movement, self.moving.full * (1.0 - 1e-9))), None
-        for level in np.searchsorted(movement, np.array(KICKED) * movement[-1]):
-            if level > low and not self._stands(level):
-                high = int(level)
-                break
-            low = max(low, int(level))
+        movement, last = np.array(self.movement), len(self.movement) - 1
+        whole = self.moving.full * (1.0 - 1e-9)
+        low = 0 if self.final is None else int(np.searchsorted(movement, whole))
+        levels = [k for k in np.searchsorted(movement, np.array(KICKED) * movement[-1]).tolist() if k > low]
+        high = next((k for k in levels if not self._stands(k)), last if self.end is FALLS else None)
         if high is None:
             return
+        low = max([low, *(k for k in levels if k < high)])
         while high - low > 1:
             middle = (low + high) // 2
             low, high = (middle, high) if self._stands(middle) else (low, middle)
         del self.steps[low + 1 :], self.movement[low + 1 :], self.reactions[low + 1 :]
         self.crossed = [(begun, end) for begun, end in self.crossed if end <= self.movement[-1]]
-        self.ultimate = self.movement[-1]
-        self.end = FALLS
+        self.ultimate, self.end = self.movement[-1], FALLS
 
     def _stands(self, point: int) -> bool:
         """Whether the structure, released at a point with a kick along the way to it, stands."""
@@ -299,9 +299,9 @@ class _Path:
             self.undecided, self.end = error, error.message
             return
         if rested is not step:
-            self.certificates.append(rested.certificate)
+            self.others.append(rested.certificate)
         if self.slid and not self._stands(len(self.steps) - 1):
-            self.ultimate, self.end = self.movement[-2], FALLS
+            self.end = FALLS
             return
         self.final = rested.state
 
@@ -330,7 +330,7 @@ class _Path:
             self.end,
             np.array(self.crossed).reshape(-1, 2),
             tuple(self.steps),
-            tuple(self.certificates),
+            (*(step.certificate for step in self.steps), *self.others),
             self.moving.system.sliding,
             self.model,
         )

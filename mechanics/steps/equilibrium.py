@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
-from mechanics.kernels.joint import MPHI, MU, PHI, H, U, V, friction_between, lay_shear
+from mechanics.kernels.joint import MPHI, MU, PHI, H, U, V, bears, friction_between, lay_shear
 from mechanics.kernels.law import SLID, STRENGTH
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Behaviour, State
@@ -108,10 +108,10 @@ def closed_program(model: Assembly, state: State, tolerance: float | None = None
     carrying = np.flatnonzero(carried(system.contacts, state))
     gaps[carrying] -= np.maximum(gaps[carrying].min(axis=1), 0.0)[:, None]  # the gap that sliding has left
     closed = gaps <= tolerance * model.size
-    index = np.flatnonzero(closed.any(axis=1) & (places[:, H] > system.no_overlap))
     law = system.law.copy()
     law[:, SLID] = 0.0
     friction_between(places, law)
+    index = np.flatnonzero(closed.any(axis=1) & bears(places, law, system.no_overlap))
     turned = (closed.sum(axis=1) == 1) & ~system.contacts.ties
     edges = np.column_stack([places[:, H], np.where(turned, law[:, STRENGTH], np.inf)])
     crushed = np.isfinite(edges[:, 1])

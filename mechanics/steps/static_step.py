@@ -9,7 +9,18 @@ from itertools import chain
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError
-from mechanics.kernels.joint import CURVED, PHI, SHIFTS, H, U, V, curvatures, friction_between, lay_shear
+from mechanics.kernels.joint import (
+    CURVED,
+    PHI,
+    SHIFTS,
+    H,
+    U,
+    V,
+    bears,
+    curvatures,
+    friction_between,
+    lay_shear,
+)
 from mechanics.kernels.law import BED, DILATION, SEGMENTS, SHEAR, SLID, STRENGTH
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, State
@@ -106,13 +117,14 @@ class StepProblem:
         """
         system, movable = self.system, self.system.model.movable
         places = self._places(at, forces)
-        overlapping = places[:, H] > system.no_overlap
+        law = system.law.copy()
+        law[:, SLID] = self.slid
+        friction_between(places, law)
+        overlapping = bears(places, law, system.no_overlap)
         slack = system.contacts.ties & (places[:, U] > 2.0 * self.size)
         index = np.flatnonzero(overlapping & ~slack) if touching is None else touching
         places[~overlapping, H] = system.no_overlap
-        law = system.law[index].copy()
-        law[:, SLID] = self.slid[index]
-        friction_between(places[index], law)
+        law = law[index]
         if self.lifts:
             law[:, DILATION] = 1.0
         moved = (at - self.start.positions)[movable].ravel()

@@ -17,18 +17,18 @@ LINES = {
     "assessment/cli": 602,
     "assessment/ntc": 2049,
     "assessment/project": 4459,
-    "assessment/report": 5484,
+    "assessment/report": 5490,
     "assessment/results": 3085,
     "assessment/runtime": 1344,
     "assessment/studies": 2253,
     "assessment/workflow": 909,
     "mechanics": 934,
-    "mechanics/kernels": 3498,
-    "mechanics/model": 2988,
-    "mechanics/procedures": 3675,
+    "mechanics/kernels": 3507,
+    "mechanics/model": 2998,
+    "mechanics/procedures": 3676,
     "mechanics/records": 990,
     "mechanics/solvers": 933,
-    "mechanics/steps": 1789,
+    "mechanics/steps": 1801,
 }
 
 

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from mechanics import Assembly, Block, Material, pushdown, pushover, time_history
+from mechanics import Assembly, Block, CollapseError, Material, pushdown, pushover, time_history
 from mechanics.procedures import held_load
 from mechanics.procedures.held_load import borne
 from tests.support.contact_dynamics import motion
@@ -201,16 +201,20 @@ WALLS = {  # of three rows, 2 m wide: friction, tops of the rows, joints in each
 }
 
 
-@pytest.mark.parametrize("wall", WALLS)
-def test_contact_dynamics_holds_a_wall_up_to_its_ultimate_movement_and_not_beyond(wall, monkeypatch):
-    """Equilibria go on behind it, which stay where nothing moves. By contact dynamics they fall at once."""
-    friction, tops, joints, beyond = WALLS[wall]
+def wall(name):
+    friction, tops, joints, _ = WALLS[name]
     rows = [
         (left, low, right, top)
         for low, top, row in zip((0.0, *tops), tops, joints, strict=False)
         for left, right in pairwise((0.0, *row, 2.0))
     ]
-    model = built(Material(20.0, friction), *rows, left=(-0.4, -0.3, 1.0, 0.0), right=(1.0, -0.3, 2.4, 0.0))
+    return built(Material(20.0, friction), *rows, left=(-0.4, -0.3, 1.0, 0.0), right=(1.0, -0.3, 2.4, 0.0))
+
+
+@pytest.mark.parametrize("name", WALLS)
+def test_contact_dynamics_holds_a_wall_up_to_its_ultimate_movement_and_not_beyond(name, monkeypatch):
+    """Equilibria go on behind it, which stay where nothing moves. By contact dynamics they fall at once."""
+    model, beyond = wall(name), WALLS[name][3]
     movement, increment = model.size * np.array([-0.02, -0.005]), 0.02 * model.size
     told = pushdown(model, "right", movement, increment=increment, to_collapse=True)
     monkeypatch.setattr("mechanics.procedures.pushdown.KICKED", ())
@@ -220,6 +224,18 @@ def test_contact_dynamics_holds_a_wall_up_to_its_ultimate_movement_and_not_beyon
         state = whole.states[int(np.argmin(abs(whole.movement - share * told.ultimate)))]
         held = motion(model, np.zeros(2000), 1e-3, state)
         assert (abs(held[-1] - held[0])[:, :2].max() > model.size) is np.bool_(falls)
+
+
+@pytest.mark.parametrize("whole", [0.70, 0.78])
+def test_an_ultimate_movement_is_that_of_a_smaller_one_where_the_whole_falls(whole):
+    """It was the last point before the whole movement, or the last equilibrium: 0.694 and 0.744 m."""
+    model = wall("442")
+    way = np.array([-1.0, -0.25])
+    told = pushdown(model, "right", 0.1 * way, increment=0.02 * model.size, to_collapse=True).ultimate
+    with pytest.raises(CollapseError) as fall:
+        pushdown(model, "right", whole * way, increment=0.02 * model.size)
+    assert fall.value.path.ultimate == pytest.approx(told, rel=0.01)
+    assert len(fall.value.path.certificates) == len(fall.value.path.steps) + 1
 
 
 def test_an_elastic_arch_does_not_stand_because_it_lingers_where_it_balances():

@@ -103,7 +103,7 @@ def _found(results: Results, words: Words) -> Iterator[Markup]:
     for where, path in moves(results):
         ultimate, applied = path.ultimate_movement_m, path.applied_movement_m
         if ultimate:
-            key = "judgement.margin" if applied < ultimate else "judgement.no_margin"
+            key = "judgement.margin" if applied <= ultimate * (1.0 + 1e-9) else "judgement.no_margin"
             yield words(key, **where, applied=applied, ultimate=ultimate, share=applied / ultimate)
         if loss := path.local_loss:
             yield words(f"judgement.loses_{'tie' if loss.tie else 'joint'}", **where, at=loss.displacement_m)

@@ -54,8 +54,12 @@ def lead(results: Results, words: Words) -> list[Markup]:
 
 
 def _broken_ties(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield of each analysis and state how many lowest collapses are ties that break, which are no falls."""
-    for (analysis, state), of in groupby(shaken(results), key=lambda each: (each.analysis, each.state)):
+    """Yield of each analysis and state how many lowest collapses are ties that break, which are no falls.
+
+    Of a movement in shares the whole one counts.
+    """
+    whole = (each for each in shaken(results) if each.share in (None, 1.0))
+    for (analysis, state), of in groupby(whole, key=lambda each: (each.analysis, each.state)):
         rows = [row for each in of for row in each.rows if row.lowest_collapse_g is not None]
         if broken := [row.broken_tie for row in rows if row.broken_tie]:
             ties, named = ", ".join(dict.fromkeys(broken)), words.plain(f"value.{analysis}")

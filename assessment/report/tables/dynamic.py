@@ -127,13 +127,15 @@ def shaken(results: Results, analysis: str = "") -> list[Shaken]:
     return [each for each in found if analysis in ("", each.analysis)]
 
 
-@table("incremental", f"state record record_pga_g {VERTICAL} {LEVELS} {BANDS} runs")
+@table("incremental", f"state record record_pga_g {VERTICAL} {LEVELS} {BANDS} runs ?reason")
 def incremental(results: Results) -> Found:
-    """List what every record comes to from every state: the levels of its worse sign."""
+    """List what every record comes to from every state: the levels of its worse sign, none where that is not known."""
     for name, state in results.states.items():
         for record in state.incremental.records or []:
-            row = next((each for each in record.signs if each.sign == record.sign), record.signs[0])
-            yield {"state": name} | cells(row, LEVELS.split()) | bands(row), record
+            worse = [
+                cells(each, LEVELS.split()) | bands(each) for each in record.signs if each.sign == record.sign
+            ]
+            yield {"state": name} | (worse[0] if worse else {}), record
 
 
 @table("campaign", CAMPAIGN)

@@ -9,12 +9,13 @@ import pytest
 from assessment.analyses.scan import Reach
 from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.report.tables.dynamic import incremental
 from assessment.results.schema.dynamic import Fragility, Scanned
 from assessment.results.schema.part import plain
 from assessment.runtime.cache import Store
 from assessment.studies.record_set import UNITS, Measures
 from assessment.studies.scans import Asked, Place, Scans
-from assessment.studies.searches import Searches, findings, standard_of
+from assessment.studies.searches import Searches, _search, findings, standard_of
 from assessment.studies.variants import Study
 from assessment.workflow.stages import run
 from mechanics.messages import message
@@ -186,4 +187,19 @@ def test_a_state_that_was_not_reached_has_the_reason(project):
     assert all(each["pga_collapse_g"] is None and each["reason"] for each in found["records"])
     assert (
         all(each["runs"] == 0 for each in found["records"]) and found["fragility"]["pga_collapse_g"] is None
+    )
+
+
+def test_a_record_whose_worse_sign_is_not_known_has_a_reason_in_place_of_levels():
+    """The table had the levels of the other sign."""
+    known = {"record": "r", "resurrections_g": [], "widest_gap_g": None}
+    stood = _row(0.2, 0.19, sign=1, pga_collapse_range=[0.2, 0.21], runs=5, **known)
+    open_ = {"pga_safe_g": None, "level_50_g": None, "pga_collapse_range": None, "reason": "not solved"}
+    failed = _row(None, sign=-1, runs=3, **open_, **known)
+    record = _search(SimpleNamespace(name="r", pga=0.3, told_vertical={}), [stood, failed])
+    state = SimpleNamespace(incremental=SimpleNamespace(records=[record]))
+    [row] = incremental(SimpleNamespace(states={"original": state})).rows
+    assert row["reason"] == "not solved"
+    assert all(
+        row.get(key) is None for key in ("pga_safe_g", "pga_collapse_g", "lowest_collapse_g", "level_50_g")
     )

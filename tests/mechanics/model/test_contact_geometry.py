@@ -102,19 +102,44 @@ def test_feet_on_spreading_floors_slide_and_carry_no_more_than_friction(friction
     assert slope.max() == pytest.approx(friction, rel=2e-3) if feet < apex else slope.max() < friction
 
 
-@pytest.mark.parametrize(
-    ("friction", "joints_alone"), [(0.4, 0.04407), (0.45, 0.09956), (0.5, 0.15748), (0.6, 0.20640)]
-)
-@pytest.mark.parametrize("direction", ["+x", "-x"])
-def test_a_corner_on_a_corner_holds_no_skewback_that_slides(friction, joints_alone, direction):
+@pytest.mark.parametrize("friction", [0.4, 0.5, 0.6])
+@pytest.mark.parametrize("lip", [0.0, 1e-4, 3.6e-4])
+@pytest.mark.parametrize("ledge", [-6e-4, -1e-4, -4e-6, 0.0, 2e-4])
+def test_a_corner_on_a_corner_holds_no_skewback_that_slides(friction, lip, ledge):
     """The foot of the intrados lies on the pier's corner: as that corner on the voussoir's face, it held the slide.
 
-    α was 0.1695 to 0.2064. On the pier's top, on which it may slide too, it bears a thousandth.
+    α was 0.1695 for 0.044, 0.2064 for 0.158. On the pier's top, on which it may slide too, it bears some thousandths.
+    The tolerance of the drawing is 0.4 mm.
     """
-    held = limit_analysis(springing_arch(friction=friction), direction).alpha
-    apart = limit_analysis(springing_arch(friction=friction, collisions=False), direction).alpha
-    assert apart == pytest.approx(joints_alone, abs=1e-5)
-    assert held == pytest.approx(apart, rel=3e-3)
+    held, apart = (
+        limit_analysis(springing_arch(lip, ledge, friction=friction, collisions=collisions)).alpha
+        for collisions in (True, False)
+    )
+    assert apart == pytest.approx({0.4: 0.0441, 0.5: 0.1575, 0.6: 0.2064}[friction], rel=1e-2)
+    assert held == pytest.approx(apart, rel=7e-3)
+
+
+@pytest.mark.parametrize(
+    ("voussoirs", "friction", "alpha"), [(3, 0.3, 0.04097), (5, 0.3, 0.03422), (3, 0.4, 0.16133)]
+)
+def test_a_corner_on_a_corner_bears_nothing_that_one_face_does_not_admit(voussoirs, friction, alpha):
+    """A flat arch between skewbacks at 42°, more than twice the angle of friction: α of the drawn joints alone.
+
+    An independent linear program gives them; α was 0.0940 for the first one.
+    """
+    low, high = np.linspace(0.0, 1.2, voussoirs + 1), np.linspace(-0.45, 1.65, voussoirs + 1)
+    stones = [
+        [(low[k], 1.5), (low[k + 1], 1.5), (high[k + 1], 1.9), (high[k], 1.9)] for k in range(voussoirs)
+    ]
+    skewbacks = [
+        [(-0.9, 1.5), (0.0, 1.5), (-0.45, 1.9), (-0.9, 1.9)], [(1.2, 1.5), (2.1, 1.5), (2.1, 1.9), (1.65, 1.9)],
+    ]  # fmt: skip
+    piers = (-0.9, 0.0, 0.0, 1.5), (1.2, 0.0, 2.1, 1.5)
+    model = built(
+        Material(20.0, friction), *piers, *skewbacks, *stones,
+        left=(-1.1, -0.3, 0.2, 0.0), right=(1.0, -0.3, 2.3, 0.0),
+    )  # fmt: skip
+    assert limit_analysis(model).alpha == pytest.approx(alpha, rel=2e-3)
 
 
 def beam(left: float, right: float) -> Assembly:
