@@ -88,7 +88,7 @@ class PushdownPath(StaticPath):
     reaction_x_kN: list[float] = key("force of the moved support on the structure", "R_x")
     reaction_z_kN: list[float] = key("the same, vertical", "R_z")
     ultimate_movement_m: float | None = key(
-        "largest component of the movement at which the structure falls; null: not reached or not looked for",
+        "largest component of the last movement at which the structure stands; null: not reached or not looked for",
         "Spostamento ultimo impresso|Ultimate movement",
         shown="mm",
     )
