@@ -257,22 +257,25 @@ class _Path:
             return
         movement, last = np.array(self.movement), len(self.movement) - 1
         whole = self.moving.full * (1.0 - 1e-9)
-        low = 0 if self.final is None else int(np.searchsorted(movement, whole))
-        levels = [k for k in np.searchsorted(movement, np.array(KICKED) * movement[-1]).tolist() if k > low]
-        high = next((k for k in levels if not self._stands(k)), last if self.end is FALLS else None)
-        if high is None:
+        stood = 0 if self.final is None else int(np.searchsorted(movement, whole))
+        points = [k for k in np.searchsorted(movement, np.array(KICKED) * movement[-1]).tolist() if k > stood]
+        fell = next((k for k in points if not self._stands(k)), last if self.end is FALLS else None)
+        if fell is None:
             return
-        low = max([low, *(k for k in levels if k < high)])
-        while high - low > 1:
-            middle = (low + high) // 2
-            low, high = (middle, high) if self._stands(middle) else (low, middle)
-        del self.steps[low + 1 :], self.movement[low + 1 :], self.reactions[low + 1 :]
+        stood = max([stood, *(k for k in points if k < fell)])
+        while fell - stood > 1:
+            middle = (stood + fell) // 2
+            stood, fell = (middle, fell) if self._stands(middle) else (stood, middle)
+        del self.steps[stood + 1 :], self.movement[stood + 1 :], self.reactions[stood + 1 :]
         self.crossed = [(begun, end) for begun, end in self.crossed if end <= self.movement[-1]]
         self.ultimate, self.end = self.movement[-1], FALLS
 
     def _stands(self, point: int) -> bool:
         """Whether the structure, released at a point with a kick along the way to it, stands."""
-        before, state = (step.state for step in self.steps[point - 1 : point + 1])
+        return self._stands_in(self.steps[point].state, self.steps[point - 1].state)
+
+    def _stands_in(self, state: State, before: State) -> bool:
+        """Whether the structure, released in a state with a kick along the way from the one `before`, stands."""
         system, way = self.moving.system, state.positions - before.positions
         return stands_kicked(self.model, system.behaviour, system.sliding, state, way, KICKS[:1])
 
@@ -300,7 +303,7 @@ class _Path:
             return
         if rested is not step:
             self.others.append(rested.certificate)
-        if self.slid and not self._stands(len(self.steps) - 1):
+        if self.slid and not self._stands_in(rested.state, self.steps[-2].state):
             self.end = FALLS
             return
         self.final = rested.state

@@ -18,6 +18,7 @@ from assessment.results.schema import QUANTITIES, Part, Results, SummaryCheck, S
 from assessment.results.table import ORIGINAL, Row, Table, reduction
 
 QUALITY_ANNEX = "D"  # of the report: where warnings are listed
+ALIKE = 1e-3  # ratio of capacities that are alike
 LISTED = ("alpha_0", "d_0_m", "alpha_u", "static_pga_g", "dynamic_pga_g")
 
 
@@ -133,27 +134,37 @@ def _outcome(results: Results, name: str, words: Words) -> str:
 def _strengthened(results: Results, name: str, words: Words) -> Markup:
     """Return a sentence on what an intervention gives back, in the direction in which it found the structure weakest.
 
-    That is of the index, without checks of the multiplier. Where the structure is now weakest in another direction, the
-    value there is given too; where the motions say the opposite, they are told.
+    That is of the index, without checks of the multiplier; of directions that were alike, the one that is weakest now.
+    Where the structure is now weakest in another direction, the value there is given too; where the motions say the
+    opposite, they are told.
     """
     limit, of = summary.index_limit(results), known(results.states[name].strengthening).of
-    before = summary.least_row(results, of)
-    rows = {at.direction: at for at in summary.rows_of(results, name)}
-    if before is None or (row := rows.get(before.direction)) is None:
+    if (least := summary.least_row(results, of)) is None:
         return Markup("")
-    quantity = "zeta_E" if limit else "alpha_u" if before.alpha_0 is None else "alpha_0"
+    quantity = "zeta_E" if limit else "alpha_u" if least.alpha_0 is None else "alpha_0"
 
     def part(at: SummaryRow) -> Part | None:
         if limit:
             return summary.index_of(at, limit)
         pushed = results.states[at.state].pushover.get(known(at.direction))
-        return pushed and (pushed.elastic if before.alpha_0 is None else pushed.rigid)
+        return pushed and (pushed.elastic if quantity == "alpha_u" else pushed.rigid)
 
     def where(at: SummaryRow) -> str:
         return ", ".join(filter(None, (limit, direction_name(at.direction or ""))))
 
-    was, now = part(before), part(row)
-    if was is None or now is None or not (one := getattr(was, quantity)):
+    def value(at: SummaryRow) -> float:
+        return getattr(part(at), quantity, None) or 0.0
+
+    rows = {at.direction: at for at in summary.rows_of(results, name)}
+    pairs = [(at, rows[at.direction]) for at in summary.rows_of(results, of) if at.direction in rows]
+    pairs = [pair for pair in pairs if all(map(part, pair))]
+    weakest = min((value(at) for at, _ in pairs), default=0.0)
+    alike = [pair for pair in pairs if value(pair[0]) <= (1.0 + ALIKE) * weakest]
+    if not alike:
+        return Markup("")
+    before, row = min(alike, key=lambda pair: value(pair[1]))
+    was, now = known(part(before)), known(part(row))
+    if not (one := getattr(was, quantity)):
         return Markup("")
     after, least, now_least = getattr(now, quantity), known(summary.least_row(results, name)), Markup("")
     gain = now.gain if isinstance(now, SummaryCheck) else after / one - 1.0

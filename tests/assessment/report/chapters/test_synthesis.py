@@ -310,6 +310,21 @@ def test_without_an_assessment_an_intervention_is_told_by_its_multiplier(alpha_r
     assert ("opposite ways" in said) == ("opposite ways" in told)
 
 
+def test_of_directions_that_were_alike_an_intervention_is_told_in_the_one_that_is_weakest_now():
+    """It was a gain of 22 % in the first of them, where the least capacity had not changed."""
+    results = results_example("en")
+    results["echo"]["assessment"] = None
+    tied = copy.deepcopy(results["states"][SETTLED])
+    results["states"]["tied"] = tied | {"strengthening": {"of": SETTLED, "ties": ["chain"], "layers": []}}
+    alphas = {"original": (0.2, 0.2), SETTLED: (0.143, 0.143), "tied": (0.174, 0.143)}
+    for name, values in alphas.items():
+        state = results["states"][name] = results["states"][name] | {"capacity": {}}
+        for side, alpha in zip(("+x", "-x"), values, strict=True):
+            state["pushover"][side]["rigid"] |= {"alpha_0": alpha, "alpha_0_range": None}
+    said = " ".join(plain_text(each) for each in lead(typed(results), WORDS)).replace("\u00a0", " ")
+    assert "makes no distinguishable difference to α_0: 0.143, then 0.143 (−x)." in said
+
+
 def test_motions_alone_have_no_governing_curve_and_their_few_records_are_told():
     results = results_example("en")
     scatter = "The governing curve does not scatter"
