@@ -23,11 +23,12 @@ import numpy as np
 
 from mechanics.kernels.jit import compiler
 from mechanics.kernels.law import FRICTION, STEEPEST
-from mechanics.types import Array, Mask
+from mechanics.types import Array
 
 compiled = compiler(allocates=False)
 
 LEAST = 1e-9  # rad: the angle of friction that is left where two corners meet at a wider angle
+NEARLY = 1e-3  # rad: by so much a force between two corners may lie outside of the friction of their faces
 LEVEL = 1e-11  # rad: faces that rounding turns against each other are level, and keep to one of their ends
 
 # columns of what a joint is (faces, j × 14): reference point and unit tangent of either face, in its block's axes, from
@@ -114,6 +115,15 @@ def place(a: Any, b: Any, faces: Array, positions: Array, places: Array) -> None
 
 
 @compiled
+def _turned(place: Array) -> float:
+    """The angle (rad) between the frame of a joint at a place (PLACE,) and the nearer face."""
+    beta, phi = place[BETA], abs(place[PHI])
+    # δ of φ = sin (1 − β)δ + sin βδ, to the third order
+    turned: float = min(beta, 1.0 - beta) * phi * (1.0 + phi**2 * ((1.0 - beta) ** 3 + beta**3) / 6.0)
+    return turned
+
+
+@compiled
 def friction_between(places: Array, law: Array) -> None:
     """Bound the friction in `law` (j, LAW) of joints at `places` (j, PLACE) by the faces that their frame lies between.
 
@@ -121,21 +131,22 @@ def friction_between(places: Array, law: Array) -> None:
     nearer face: its half-angle is less by the angle to it. At level faces, and beyond `MEET`, nothing changes.
     """
     for k in range(len(places)):
-        beta, phi = places[k, BETA], abs(places[k, PHI])
-        # δ of φ = sin (1 − β)δ + sin βδ, to the third order
-        turned = min(beta, 1.0 - beta) * phi * (1.0 + phi**2 * ((1.0 - beta) ** 3 + beta**3) / 6.0)
+        turned = _turned(places[k])
         if turned > 0.0:
             friction = np.tan(max(np.arctan(law[k, FRICTION]) - turned, LEAST))
             law[k, FRICTION] = friction if friction < STEEPEST else law[k, FRICTION]
 
 
-def bears(places: Array, law: Array, least: float) -> Mask:
-    """Whether joints (j,) overlap by half of `least` (m), and both faces admit some direction of a force.
+@compiled
+def bearing(places: Array, law: Array, least: float, bears: Array) -> None:
+    """Whether joints at `places` (j, PLACE) overlap by half of `least` (m) and may bear, into `bears` (j,).
 
-    `law` (j, LAW): with the friction of friction_between.
+    No force between two corners lies within the friction of both faces where these are apart by more than twice its
+    angle. `law` (j, LAW) of the joints, its friction that of their stone.
     """
-    found: Mask = (places[:, H] > least) & ~((law[:, FRICTION] <= 2.0 * LEAST) & (law[:, FRICTION] > 0.0))
-    return found
+    for k in range(len(places)):
+        admitted = _turned(places[k]) <= np.arctan(law[k, FRICTION]) + NEARLY
+        bears[k] = places[k, H] > least and admitted
 
 
 @compiled

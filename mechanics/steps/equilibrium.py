@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from mechanics.errors import ConvergenceError, NoEquilibriumError, UnstableError
-from mechanics.kernels.joint import MPHI, MU, PHI, H, U, V, bears, friction_between, lay_shear
+from mechanics.kernels.joint import MPHI, MU, PHI, H, U, V, bearing, friction_between, lay_shear
 from mechanics.kernels.law import SLID, STRENGTH
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, Behaviour, State
@@ -110,8 +110,10 @@ def closed_program(model: Assembly, state: State, tolerance: float | None = None
     closed = gaps <= tolerance * model.size
     law = system.law.copy()
     law[:, SLID] = 0.0
+    bears = np.empty(len(places), dtype=bool)
+    bearing(places, law, system.no_overlap, bears)
+    index = np.flatnonzero(closed.any(axis=1) & bears)
     friction_between(places, law)
-    index = np.flatnonzero(closed.any(axis=1) & bears(places, law, system.no_overlap))
     turned = (closed.sum(axis=1) == 1) & ~system.contacts.ties
     edges = np.column_stack([places[:, H], np.where(turned, law[:, STRENGTH], np.inf)])
     crushed = np.isfinite(edges[:, 1])

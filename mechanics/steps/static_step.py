@@ -16,7 +16,7 @@ from mechanics.kernels.joint import (
     H,
     U,
     V,
-    bears,
+    bearing,
     curvatures,
     friction_between,
     lay_shear,
@@ -119,8 +119,9 @@ class StepProblem:
         places = self._places(at, forces)
         law = system.law.copy()
         law[:, SLID] = self.slid
+        overlapping = np.empty(len(places), dtype=bool)
+        bearing(places, law, system.no_overlap, overlapping)
         friction_between(places, law)
-        overlapping = bears(places, law, system.no_overlap)
         slack = system.contacts.ties & (places[:, U] > 2.0 * self.size)
         index = np.flatnonzero(overlapping & ~slack) if touching is None else touching
         places[~overlapping, H] = system.no_overlap

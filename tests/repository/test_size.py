@@ -23,12 +23,12 @@ LINES = {
     "assessment/studies": 2253,
     "assessment/workflow": 909,
     "mechanics": 934,
-    "mechanics/kernels": 3507,
+    "mechanics/kernels": 3518,
     "mechanics/model": 2998,
     "mechanics/procedures": 3679,
     "mechanics/records": 990,
     "mechanics/solvers": 933,
-    "mechanics/steps": 1801,
+    "mechanics/steps": 1804,
 }
 
 

@@ -88,9 +88,9 @@ def test_a_jammed_arch_hardly_lifts():
     """0.2 s of an arch of 362 blocks: at most one program in 500 lifts, and hardly any begins from nothing."""
     shaken = 0.6 * np.sin(10.0 * np.pi * np.arange(0.0, 0.2, 0.005))
     motion = time_history(assembly("triumphal-arch"), shaken, 0.005)
-    assert motion.programs > 100
+    assert motion.programs > 80
     assert motion.lifting <= 0.002 * motion.programs
-    assert motion.cold <= 0.01 * motion.programs
+    assert motion.cold <= 0.02 * motion.programs
 
 
 def shaken_block(
