@@ -26,8 +26,8 @@ from mechanics.messages import Message, headed, message
 from mechanics.types import Array
 
 RESAMPLED = 7  # seed of what levels of a record are known to, in the bootstrap of a loss
-PARTS = ("beta_record", "beta_ensemble")  # of stripes there are none
-COUNTED = ("rule", "pga_collapse_g", "pga_collapse_g_range")  # nor of them
+PARTS = ("beta_record", "beta_ensemble")  # null for stripes
+COUNTED = ("rule", "pga_collapse_g", "pga_collapse_g_range")  # null for stripes
 DIRECTIONS = {1: "+x", -1: "-x"}  # of the load by the sign of the record
 UNKNOWN = dynamic.Loss(dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=0)
 Row = TypeVar("Row", bound=dynamic.Scanned)

@@ -24,10 +24,11 @@ class Following:
     """Follows a support: the equilibrium after each step of its movement, in any direction.
 
     On a straight way from the drawing they are those of `pushdown` with the same `increment` (m, of the largest
-    component of the movement or of the arc at the support's farthest corner). `reached` (3,): movement x, z (m) and
-    rotation (rad, about the support's drawn centroid) of the last `equilibrium`; `fallen`: whether the structure falls
-    on the way beyond it, and `stopped`: why the way ends there (None: it does not). Raises UnstableError if the
-    structure as drawn cannot stand, ArgumentError for an argument out of its range.
+    component of the movement or of the arc at the support's farthest corner). They are not released with a kick: where
+    joints slide `pushdown` may refuse what stands here. `reached` (3,): movement x, z (m) and rotation (rad, about the
+    support's drawn centroid) of the last `equilibrium`; `fallen`: whether the structure falls on the way beyond it, and
+    `stopped`: why the way ends there (None: it does not). Raises UnstableError if the structure as drawn cannot stand,
+    ArgumentError for an argument out of its range.
     """
 
     fallen: bool

@@ -23,10 +23,8 @@ HOLDS = 5  # √(L/g): time that it stays then, and again until all rests, up to
 STEP = 0.01  # √(L/g): time step
 DAMPED = 0.1  # of critical: elastic joints, which lose nothing at impacts
 RESOLVED = 0.95  # ratio of multipliers that are not told apart
-KICKS = (
-    1e-3,
-    5e-3,
-)  # √(size·g): speeds along its way with which what jumps or moves with a support is released
+# √(size·g): speeds along its way with which what jumps or moves with a support is released
+KICKS = (1e-3, 5e-3)
 
 
 def stands(
@@ -66,7 +64,7 @@ def stands_kicked(
 ) -> bool:
     """Whether a structure released in a state stands with each of the `kicks` along the `way` (b, 3) of its blocks.
 
-    At rest an unstable equilibrium stays. Raises ArgumentError as time_history.
+    Without a kick an unstable equilibrium stays. Raises ArgumentError as time_history.
     """
     free = np.where(model.movable[:, None], way, 0.0)
     speed = free * np.sqrt(GRAVITY * model.size) / max(float(abs(free).max()), np.finfo(float).tiny)

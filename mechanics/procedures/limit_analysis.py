@@ -142,7 +142,7 @@ def _limit(
     for k in range(LIMIT.repeats):
         on_edges, lever = closed.on_edges()
         found, central, dilation = flow(on_edges)
-        again = closed.hinged(found.forces[:, 0], k >= LIMIT.repeats // 4)
+        again = closed.hinged(found.forces[:, 0], k)
         if again is None:
             break
         closed = again

@@ -48,18 +48,20 @@ class ClosedProgram:
         program = replace(self.program, lateral=lateral[model.movable].ravel(), work=work)
         return replace(self, program=program)
 
-    def hinged(self, normal: Array, inward: bool) -> ClosedProgram | None:
+    def hinged(self, normal: Array, tried: int) -> ClosedProgram | None:
         """Return the program with its hinges where normal forces (j,) kN have them; None if they are there.
 
         An edge that its force crushes over the whole of a joint, as a corner on a narrow ledge, carries nothing.
-        `inward`: no hinge moves back to its edge, as faces that share a force may take it in turns: what a larger one
-        has crushed bears a smaller one at its middle.
+        `tried`: number of programs before. Two faces that share a force may take it in turns: after a quarter of the
+        programs no hinge moves back to its edge. What a larger force has crushed bears a smaller one at its middle.
         """
         half, strength = self.edges.T
         if (whole := normal >= 2.0 * half * strength).any():
             return self.without(whole)
         places = self.program.places
-        now = np.minimum(half - 0.5 * normal / strength, places[:, H] if inward else half)
+        now = np.minimum(
+            half - 0.5 * normal / strength, places[:, H] if tried >= LIMIT.repeats // 4 else half
+        )
         if abs(now - places[:, H]).max(initial=0.0) <= STEP.inside * self.program.size:
             return None
         moved = places.copy()
@@ -166,8 +168,7 @@ def _standing(model: Assembly, state: State, tolerance: float | None) -> ClosedP
     allowed = BALANCED if state.carrying is None else STEP.slow * model.weight / closed.program.weight
     for k in range(LIMIT.repeats):
         acceleration, forces = least_acceleration(closed.program, closed.layout)
-        again = closed.hinged(forces[:, 0], k >= LIMIT.repeats // 4)
-        if acceleration <= allowed or again is None:
+        if acceleration <= allowed or (again := closed.hinged(forces[:, 0], k)) is None:
             break
         closed = again
     if acceleration > allowed:

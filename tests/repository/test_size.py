@@ -25,10 +25,10 @@ LINES = {
     "mechanics": 934,
     "mechanics/kernels": 3518,
     "mechanics/model": 2998,
-    "mechanics/procedures": 3679,
+    "mechanics/procedures": 3678,
     "mechanics/records": 990,
     "mechanics/solvers": 933,
-    "mechanics/steps": 1804,
+    "mechanics/steps": 1805,
 }
 
 

@@ -135,8 +135,8 @@ def _strengthened(results: Results, name: str, words: Words) -> Markup:
     """Return a sentence on what an intervention gives back, in the direction in which it found the structure weakest.
 
     That is of the index, without checks of the multiplier; of directions that were alike, the one that is weakest now.
-    Where the structure is now weakest in another direction, the value there is given too; where the motions say the
-    opposite, they are told.
+    Where the structure is now weakest in another direction, the value there is given too. Where the motions say the
+    opposite, both are told.
     """
     limit, of = summary.index_limit(results), known(results.states[name].strengthening).of
     if (least := summary.least_row(results, of)) is None:
@@ -182,9 +182,9 @@ def _strengthened(results: Results, name: str, words: Words) -> Markup:
         said += Markup.escape(f" {_outcome(results, name, words)}")
     shook, shakes = (results.states[state].incremental.fragility for state in (of, name))
     if distinct and shook and shakes and summary.apart(shook, shakes, "pga_collapse_g"):
-        one, after = shook.pga_collapse_g, shakes.pga_collapse_g
-        if (reduction(one, after) or 0.0) * (gain or 0.0) > 0.0:  # one gains where the other loses
-            said += Markup(" ") + words("synthesis.strengthened_opposed", before=one, after=after)
+        level, later = shook.pga_collapse_g, shakes.pga_collapse_g
+        if (reduction(level, later) or 0.0) * (gain or 0.0) > 0.0:  # one gains where the other loses
+            said += Markup(" ") + words("synthesis.strengthened_opposed", before=level, after=later)
     return said
 
 
