@@ -163,7 +163,7 @@ def _begin(held: Any, board: list[Any]) -> None:
 class Cluster(Pool):
     """Computes functions on the workers of the scheduler at an address such as tcp://host:8786.
 
-    Raises ProjectError without dask.distributed or a scheduler.
+    Raises ProjectError without dask.distributed or a scheduler, KilledError where a peer says nothing.
     """
 
     def __init__(self, address: str) -> None:
@@ -181,9 +181,9 @@ class Cluster(Pool):
         thread = threading.Thread(target=connect, daemon=True)
         thread.start()
         thread.join(2.0 * ANSWER)
-        if not found:
-            text = f"{address}: no Dask scheduler answers there; start one (dask scheduler) with its workers"
-            raise ProjectError(f"--scheduler: {text} (dask worker), or correct the address")
+        if not found:  # a peer that accepts and says nothing is no wrong address
+            text = f"--scheduler: {address}: no Dask scheduler answers; start it and workers, or correct the address"
+            raise (KilledError if thread.is_alive() else ProjectError)(text)
         self._client = found[0]
         self._workers, self._board = self._client.get_executor(pure=False), []
 

@@ -87,8 +87,13 @@ def test_what_is_asked_of_a_scheduler_that_is_lost_fails():
 def test_no_scheduler_at_the_address_is_told(monkeypatch):
     monkeypatch.setattr(cluster, "ANSWER", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as silent:
-        for address in ("tcp://127.0.0.1:1", "nowhere", f"tcp://127.0.0.1:{silent.getsockname()[1]}"):
-            with pytest.raises(ProjectError, match=f"--scheduler: {address}: no Dask scheduler answers"):
+        mute = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
+        for address, error in (
+            ("tcp://127.0.0.1:1", ProjectError),
+            ("nowhere", ProjectError),
+            (mute, KilledError),
+        ):
+            with pytest.raises(error, match=f"--scheduler: {address}: no Dask scheduler answers"):
                 Cluster(address)
 
 
