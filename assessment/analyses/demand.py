@@ -7,10 +7,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from assessment.analyses.found import as_part
-from assessment.ntc import floor_spectrum
+from assessment.ntc import floor_spectrum, tables
 from assessment.ntc.floor_spectrum import Spectrum, ground_of
 from assessment.ntc.hazard import HazardCurve, HazardError, return_period_steps, site_curve
-from assessment.ntc.indices import attained, heritage_and_risk_indices, required_zeta
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.ntc.tables import CONFIDENCE_FACTOR, ROCK, SURFACE, Trace, confidence_factor, return_period
 from assessment.ntc.verification import ACTIVATION_DAMPING, RULES
@@ -184,17 +183,19 @@ def state_indices(
     T_SLV = check.return_period_years
     a_g, demanded = known(check.a_g_g), check.demand_a_g_g
     made = as_part(
-        parts.Indices, heritage_and_risk_indices(a_g, demanded, zeta, use_class, T_SLV, T_R, T_SLD),
+        parts.Indices, tables.heritage_and_risk_indices(a_g, demanded, zeta, use_class, T_SLV, T_R, T_SLD),
         direction=life.direction, check=life.limit_state, zeta_SLV=zeta, zeta_SLC=collapse.ratio if collapse else None,
         ratio_SLD=damage.ratio if damage else None, T_SLV_years=T_SLV,
         T_SLV_stated=check.return_period_stated, T_R_SLV_years=T_R, use_class=use_class,
-        required_zeta=required_zeta(zeta, use_class),
+        required_zeta=tables.required_zeta(zeta, use_class),
     )  # fmt: skip
     if before is None:
         return made
     zeta_before = before.indices.zeta_SLV if before.indices else None
-    required = required_zeta(zeta_before, use_class)
-    return made.replace(zeta_before=zeta_before, required_zeta=required, attained=attained(zeta, required))
+    required = tables.required_zeta(zeta_before, use_class)
+    return made.replace(
+        zeta_before=zeta_before, required_zeta=required, attained=tables.attained(zeta, required)
+    )
 
 
 def knowledge_of(knowledge: KnowledgeTable) -> parts.Knowledge:

@@ -18,9 +18,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.special import erfcx, log_ndtr, ndtri
 
+from assessment.ntc.tables import ENOUGH, MEAN_FROM
 from mechanics.types import Array, Mask
 
-MEAN_FROM, ENOUGH = 7, 3  # records: NTC 2018 §7.3.5
 PROBABILITIES = (0.16, 0.5, 0.84)
 BAND = (0.01, 0.05, 0.1, 0.16, 0.3, 0.5, 0.7, 0.84, 0.9, 0.95, 0.99)
 INFORMATION = 1.806  # ∫ φ²/(Φ(1 − Φ)): of levels evenly spaced by δ, of m in Φ((x − m)/β), times β δ
@@ -221,11 +221,9 @@ def samples_of_records(records: Sequence[str]) -> Array | None:
     `records` (n,): of each observation; those of one stay together, being no independent ones. None: fewer than ENOUGH.
     """
     names = list(dict.fromkeys(records))
-    if len(names) < ENOUGH:
+    if (count := len(names)) < ENOUGH:
         return None
-    drawn = np.random.default_rng(SEED).multinomial(
-        len(names), np.full(len(names), 1.0 / len(names)), SAMPLES
-    )
+    drawn = np.random.default_rng(SEED).multinomial(count, np.full(count, 1.0 / count), SAMPLES)
     return drawn[:, [names.index(record) for record in records]].astype(float)
 
 

@@ -97,8 +97,7 @@ def checks_asked(results: schema.Results) -> list[str]:
     capacities = [each for state in results.states.values() for each in state.capacity.values()]
     if made := {name for capacity in capacities for name in capacity.checks}:
         return [name for name in CHECKS if name in made]
-    asked = set(limit_states(results.echo))
-    return [name for name in CHECKS if name.removesuffix(" linear") in asked]
+    return [name for name in CHECKS if name.removesuffix(" linear") in limit_states(results.echo)]
 
 
 def determined_indices(results: schema.Results) -> dict[str, schema.Indices]:
@@ -171,10 +170,12 @@ def _row(
             row |= {"alpha_0": rigid.alpha_0, "d_0_m": rigid.d_0_m, "mechanism": _mechanism(rigid.mechanism)}
             if (law := rigid.other_law) is not None:
                 row["other_law"] = OtherLaw(sliding=law.sliding, alpha_0=law.alpha_0)
-        if before and (was := before.rigid) and rigid:
-            row |= _alpha_loss(was, rigid, "alpha_0")
-        elif before and (bent := before.elastic) and elastic:
-            row |= _alpha_loss(bent, elastic, "alpha_u")
+        if before:
+            alpha = "alpha_0" if before.rigid and rigid else "alpha_u"
+            was, now = (before.rigid, rigid) if alpha == "alpha_0" else (before.elastic, elastic)
+            if was and now:
+                row["alpha_loss"] = reduction(getattr(was, alpha), getattr(now, alpha))
+                row["alpha_distinguishable"] = apart(was, now, alpha)
     if capacity and capacity.alpha_0 is not None and capacity.other_law:
         row |= {"alpha_0": capacity.alpha_0, "other_law": capacity.other_law}
     if (fit := state.incremental.fragility) is not None:
@@ -185,11 +186,6 @@ def _row(
         if original is not None:
             row["dynamic_loss"] = loss.dynamic if loss else None
     return schema.SummaryRow(**row)
-
-
-def _alpha_loss(was: Part, now: Part, name: str) -> dict[str, Any]:
-    lost = reduction(getattr(was, name), getattr(now, name))
-    return {"alpha_loss": lost, "alpha_distinguishable": apart(was, now, name)}
 
 
 def apart(one: Part, other: Part, name: str) -> bool:

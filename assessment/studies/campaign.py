@@ -1,25 +1,96 @@
-"""A campaign: every record of every sign from every share of a movement at rest, and what it sums up to."""
+"""A campaign: every record of every sign from every share of a movement at rest, and what it sums up to.
+
+Records are files, made to the spectrum of the site or scaled to it.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from assessment.analyses.capacity import assess, capacities, told
 from assessment.analyses.demand import Demands
 from assessment.analyses.found import as_part, finest
 from assessment.analyses.states import Request, StateResult, analyse_states, curves
 from assessment.analyses.time_history import Start, least_d_0, ultimate_of, why_not_reached
-from assessment.project.motions import BaseMotion
+from assessment.ntc.floor_spectrum import Spectrum
+from assessment.ntc.tables import farthest
+from assessment.project.motions import BaseMotion, motion_of
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL, CampaignTable
+from assessment.project.schema.motions import GENERATED_STEP
 from assessment.results.schema import Direction, Pushovers, dynamic, known
-from assessment.results.table import compared, reduction, weaker
+from assessment.results.table import cells, compared, reduction, weaker
 from assessment.studies import variants
-from assessment.studies.record_set import HIGH, LOW, record_set
 from assessment.studies.scans import Place, Scans
-from assessment.studies.searches import Searches, findings
+from assessment.studies.searches import COMPARED, Searches, findings, spectrum_of
 from mechanics import Assembly
 from mechanics.messages import Message, headed, message
 from mechanics.procedures import whole_movement
+from mechanics.records import Record, compatible_record
+
+DURATION, PLATEAU = 25.0, 10.0  # s, of a record that is made: NTC 2018 §3.2.3.6 [k]
+LOW, HIGH = -0.10, 0.30  # of the target: least and largest deviation of the mean spectrum
+
+
+def record_set(
+    statics: variants.Statics, table: CampaignTable, motions: Sequence[BaseMotion]
+) -> tuple[list[BaseMotion], dynamic.CampaignSpectrum | None]:
+    """Return the motions of files, or made to the site's spectrum or scaled to it, with their mean spectrum."""
+    if not (table.generated or table.spectrum_compatible):
+        return list(motions), None
+    found, spectra = list(motions), statics.demands.spectra
+    limit_state = farthest(spectra) or next(iter(spectra))
+    target = spectra[limit_state]
+    if table.generated:
+        seeds = range(1, table.generated + 1)
+        tasks, titles = [(target, seed) for seed in seeds], [f"record {seed}" for seed in seeds]
+        made = statics.workers.each("campaign: records", made_record, tasks, titles, len(tasks) > 1)
+        found = [motion_of(statics.project, "campaign", table, record) for record in made]
+    if table.spectrum_compatible:
+        found = scaled_to(target, found, table)
+    return found, compatibility(limit_state, target, found, table)
+
+
+def made_record(spectrum: Spectrum, seed: int) -> Record:
+    """Return a record whose spectrum is within 10 % of a given one; the same seed gives the same record."""
+    made = compatible_record(spectrum.acceleration, DURATION, GENERATED_STEP, seed, plateau=PLATEAU)
+    return replace(made, name=f"generated {seed}")
+
+
+def scaled_to(target: Spectrum, motions: Sequence[BaseMotion], table: CampaignTable) -> list[BaseMotion]:
+    """Scale each record, within the limits, so that the mean of ln(S_a/target) over ln T vanishes."""
+    periods, (low, high) = np.geomspace(*table.periods_s, COMPARED), table.scale_limits
+    wanted, found = np.log(target.acceleration(periods)), []
+    for motion in motions:
+        best = float(np.exp(np.mean(wanted - np.log(spectrum_of(motion, periods)))))
+        factor, notes = float(np.clip(best, low, high)), motion.notes
+        if factor != best:
+            limited = message(
+                "campaign, {record}: the spectrum of the site asks for a factor of {wanted:.3g}; "
+                "{taken:.3g} is taken, the limit (scale_limits = [{low:g}, {high:g}])",
+                record=motion.name, wanted=best, taken=factor, low=low, high=high,
+            )  # fmt: skip
+            notes += (limited,)
+        scaled, original = motion.at_amplitude(factor), motion.original.scaled(factor)
+        pga, scale, own = factor * motion.pga, factor * motion.scale, motion.amplitude
+        found.append(replace(scaled, original=original, pga=pga, scale=scale, amplitude=own, notes=notes))
+    return found
+
+
+def compatibility(
+    limit_state: str, target: Spectrum, motions: Sequence[BaseMotion], table: CampaignTable
+) -> dynamic.CampaignSpectrum:
+    """Return the mean spectrum of a set of records with the target: relative deviations and their periods (s)."""
+    periods = np.geomspace(*table.periods_s, COMPARED)
+    wanted = target.acceleration(periods)
+    mean = np.mean([spectrum_of(each, periods) for each in motions], axis=0)
+    deviation = mean / wanted - 1.0
+    low, high = float(deviation.min()), float(deviation.max())
+    return dynamic.CampaignSpectrum(
+        limit_state=limit_state, periods_s=list(table.periods_s), T_s=periods.tolist(), target_g=wanted.tolist(),
+        mean_g=mean.tolist(), lowest_deviation=low, highest_deviation=high, within=low >= LOW and high <= HIGH,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,19 +202,7 @@ def campaign(
     reported = {note for motion in motions for note in motion.notes}
     study.warnings += [note for motion in records for note in motion.notes if note not in reported]
     moved = moved_states(statics, study)
-    drawn, by = statics.models[ORIGINAL].assembly, "Sa(T)" if table.period_s else "PGA"
-    searches = Searches.made(
-        "campaign",
-        table,
-        moved,
-        records,
-        drawn,
-        scans,
-        study,
-        signs=table.signs,
-        by=by,
-        levels=table.levels_g or (),
-    )
+    searches = Searches.made(table, moved, records, statics.models[ORIGINAL].assembly, scans, study)
     asked, over_pga = searches.asked, searches.measures.over_pga
     rows = searches.rows(dynamic.CampaignCombination, asked)
     fits, losses = [], []
@@ -152,7 +211,8 @@ def campaign(
         fits.append(searches.fragility(dynamic.CampaignFragility, state, own))
         base = next((e for e in moved if e.settlement == state.settlement and e.share == 0.0), None)
         static = reduction(base.static_capacity, state.static_capacity) if base else None
-        losses.append(as_part(dynamic.CampaignLoss, searches.loss(state, base), state, static=static))
+        lost = cells(searches.loss(state, base), dynamic.Loss.model_fields)
+        losses.append(as_part(dynamic.CampaignLoss, state, static=static, **lost))
     if table.period_s:
         rows = [
             row.replace(sa_collapse_g=row.pga_collapse_g and each.ratio * row.pga_collapse_g)
@@ -169,7 +229,7 @@ def campaign(
                 record=motion.name, record_pga_g=motion.pga, scale=motion.scale,
                 pgv_m_s=motion.pga * over_pga[motion.name]["PGV"], duration_s=motion.record.duration,
                 time_step_s=motion.record.time_step, **motion.told_vertical
-                | ({"sa_g": over_pga[motion.name][by] * motion.pga} if table.period_s else {}),
+                | ({"sa_g": over_pga[motion.name][table.measure] * motion.pga} if table.period_s else {}),
             )
             for motion in records
         ],

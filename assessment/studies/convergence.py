@@ -7,7 +7,6 @@ reported, with the error estimated from the differences between the last ones.
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Self
 
 from assessment.analyses.demand import Demands
 from assessment.analyses.found import FIRST_ORDER, LEVELS, NOISE, SHOWN, accuracy_of, observed_order, refined
@@ -56,10 +55,6 @@ class Levels:
     size: float
     measured: tuple[Measured, ...]
 
-    def joined(self, finer: Measured) -> Self:
-        """Return the levels with a finer one added."""
-        return replace(self, measured=(*self.measured, finer))
-
     def values(self, quantity: str) -> list[float | None]:
         """Return the values of a quantity, one for each level."""
         return [level.get(quantity) for level in self.measured]
@@ -98,16 +93,6 @@ class Levels:
         bound = tolerance if len(self.measured) >= LEVELS else min(tolerance, LOCATED)
         known = self.relative.values()
         return len(self.measured) > 1 and all(error is not None and error <= bound for error in known)
-
-    def missed(self, tolerance: float) -> list[Message]:
-        """Return a text for each quantity whose error does not meet the tolerance."""
-        return [
-            message("{key} is not known (not reached by every analysis)", key=key)
-            if error is None
-            else message("{key} is {error:.2g} %", key=key, error=100.0 * error)
-            for key, error in self.relative.items()
-            if error is None or error > tolerance
-        ]
 
     def row(self, state: str, direction: Direction, halvings: int, tolerance: float) -> ConvergenceRow:
         """Return the row of the results: errors, the largest relative one with its order, values of each level."""
@@ -180,7 +165,10 @@ def converge(
                 failed[state] = linked(after)
                 continue
             found.halvings[state] = halvings
-            levels[state] = {way: each.joined(measured[state][way]) for way, each in levels[state].items()}
+            levels[state] = {
+                way: replace(each, measured=(*each.measured, measured[state][way]))
+                for way, each in levels[state].items()
+            }
         found.stages = [_finest(each, stages, failed) for each in found.stages]
     for state, ways in levels.items():
         for way, each in ways.items():
@@ -202,13 +190,20 @@ def not_met(levels: Levels, tolerance: float) -> list[Message]:
     times = 2 ** (len(levels.measured) - 1)
     if times == 1:
         return [message("discretisation error not known")]
-    if not levels.missed(tolerance):
+    missed = [
+        message("{key} is not known (not reached by every analysis)", key=key)
+        if error is None
+        else message("{key} is {error:.2g} %", key=key, error=100.0 * error)
+        for key, error in levels.relative.items()
+        if error is None or error > tolerance
+    ]
+    if not missed:
         return [message("two increments agree, which may be chance; a third was not reached")]
     return [
         message(
             "estimated discretisation error of {missed} with increments 1/{times} of those given, "
             "tolerance {tolerance:.2g} %; start from smaller increments",
-            missed=linked(levels.missed(tolerance)), times=times, tolerance=100.0 * tolerance,
+            missed=linked(missed), times=times, tolerance=100.0 * tolerance,
         )
     ]  # fmt: skip
 

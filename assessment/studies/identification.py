@@ -12,7 +12,7 @@ from scipy.special import gammaincc
 
 from assessment.analyses.found import as_part
 from assessment.analyses.paths import quality_row
-from assessment.project.gauges import Gauge, gauges, readings
+from assessment.project.model import Gauge, gauges, readings
 from assessment.project.project import Project
 from assessment.project.schema import MeasurementTable
 from assessment.results.schema import Configuration, QualityRow
@@ -82,17 +82,6 @@ def findings(found: parts.Identification) -> Iterator[Message]:
                 "identification: the measurements do not tell one hypothesis ({first}) from another ({second}): their "
                 "AIC differ by less than 2", first=best.hypothesis, second=each.hypothesis,
             )  # fmt: skip
-
-
-def not_followed(unknowns: fitting.Unknowns, reasons: Sequence[Message]) -> list[Message]:
-    """Return that paths of a hypothesis were stopped by other errors than a collapse, and the first `reasons`."""
-    if not reasons:
-        return []
-    text = message(
-        "{count} movements that were tried could not be followed to their end, for another reason than a collapse; a "
-        "better fit may lie there; the first: {reason}", count=len(reasons), reason=reasons[0],
-    )  # fmt: skip
-    return [headed(message("identification, {hypothesis}", hypothesis=unknowns.title), text)]
 
 
 def _of_hypothesis(each: parts.Explanation) -> Iterator[Message]:
@@ -304,7 +293,14 @@ def identification(project: Project, model: Assembly, workers: Workers, study: S
     )
     study.findings += findings(result)
     for each in asked:
-        study.findings += not_followed(each, search.stopped[each])
+        if reasons := search.stopped[each]:
+            text = message(
+                "{count} movements that were tried could not be followed to their end, for another reason than a "
+                "collapse; a better fit may lie there; the first: {reason}", count=len(reasons), reason=reasons[0],
+            )  # fmt: skip
+            study.findings.append(
+                headed(message("identification, {hypothesis}", hypothesis=each.title), text)
+            )
     if best is None:
         study.failures.append(message("identification: no movement of any hypothesis could be followed"))
     return result
@@ -374,9 +370,6 @@ def _site(each: MeasurementTable, gauge: Gauge) -> parts.MeasuredPoint:
 def _ready(best: parts.Explanation) -> list[parts.ReadySettlement]:
     """Return the movement as the project file has it; of several supports at once there is none."""
     moving = [each for each in best.movement if each.x_m or each.z_m or each.rotation_rad]
-    if len(moving) != 1:
-        return []
-    [each] = moving
     return [
         parts.ReadySettlement(
             name=f"{each.support}, as measured",
@@ -384,4 +377,6 @@ def _ready(best: parts.Explanation) -> list[parts.ReadySettlement]:
             displacement_m=[round(each.x_m, DIGITS_M), round(each.z_m, DIGITS_M)],
             rotation_rad=round(each.rotation_rad, DIGITS_RAD),
         )
+        for each in moving
+        if len(moving) == 1
     ]

@@ -4,7 +4,7 @@ At the end the incremental analysis.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self, TypeVar
 
@@ -14,17 +14,22 @@ from assessment.analyses import fragility
 from assessment.analyses.found import accuracy_of, as_part
 from assessment.analyses.scan import Reach
 from assessment.analyses.time_history import MotionInputs, least_d_0, ultimate_of
+from assessment.ntc.tables import ENOUGH
 from assessment.project.motions import BaseMotion
-from assessment.project.schema import ORIGINAL
-from assessment.project.schema.motions import SetTable
+from assessment.project.project import Project
+from assessment.project.schema import ORIGINAL, CampaignTable, IncrementalTable
 from assessment.results.schema import ConvergenceRow, dynamic, known
-from assessment.studies.record_set import Measures
 from assessment.studies.scans import Asked, Place, Scans, asked_for, reach_of
 from assessment.studies.variants import Study
 from mechanics import Assembly
 from mechanics.messages import Message, headed, message
-from mechanics.types import Array
+from mechanics.records import response_spectrum
+from mechanics.types import GRAVITY, Array
 
+DAMPING = 0.05  # of spectra and of Sa(T)
+COMPARED = 60  # periods at which spectra are compared
+PERIOD, FIRST, LAST = 1.0, 0.15, 2.0  # s: of Sa(T) and AvgSa where the project names none
+UNITS = {"PGA": "g", "PGV": "m/s", "Sa(T)": "g", "AvgSa": "g"}
 RESAMPLED = 7  # seed of what levels of a record are known to, in the bootstrap of a loss
 PARTS = ("beta_record", "beta_ensemble")  # null for stripes
 COUNTED = ("rule", "pga_collapse_g", "pga_collapse_g_range")  # null for stripes
@@ -32,6 +37,53 @@ DIRECTIONS = {1: "+x", -1: "-x"}  # of the load by the sign of the record
 UNKNOWN = dynamic.Loss(dynamic=None, dynamic_range=[None, None], distinguishable=None, left_out=0)
 Row = TypeVar("Row", bound=dynamic.Scanned)
 Fit = TypeVar("Fit", bound=dynamic.Fragility)
+
+
+def spectrum_of(motion: BaseMotion, periods: Array) -> Array:
+    """Return Sa(T) (k,) of a base motion, g: 5 % damping, at periods (k,) in s."""
+    return response_spectrum(motion.record.acceleration, motion.record.time_step, periods, DAMPING)[0]
+
+
+@dataclass(frozen=True)
+class Measures:
+    """The measures of intensity over which fragilities are given: PGA, PGV, Sa(T), and AvgSa between two periods (s).
+
+    AvgSa is the geometric mean of Sa, evenly over ln T; PGV is that of the record without its mean acceleration.
+    `period` (s): T of Sa(T); `over_pga`: of each record by their names, over its PGA; PGV in m/s per g.
+    """
+
+    period: float
+    over_pga: Mapping[str, Mapping[str, float]]
+
+    @classmethod
+    def of(cls, project: Project, motions: Sequence[BaseMotion]) -> Self:
+        """Return the measures of some records, at the periods of the project's campaign."""
+        campaign, found = project.campaign, {}
+        period = (campaign.period_s if campaign else None) or PERIOD
+        periods = np.geomspace(*(campaign.periods_s if campaign else (FIRST, LAST)), COMPARED)
+        for motion in motions:
+            a = motion.record.acceleration - motion.record.acceleration.mean()
+            velocity = GRAVITY * motion.record.time_step * np.cumsum(0.5 * (a[1:] + a[:-1]))
+            values = {
+                "PGA": motion.pga,
+                "PGV": float(abs(velocity).max()),
+                "Sa(T)": float(spectrum_of(motion, np.array([period]))[0]),
+                "AvgSa": float(np.exp(np.mean(np.log(spectrum_of(motion, periods))))),
+            }
+            found[motion.name] = {name: value / motion.pga for name, value in values.items()}
+        return cls(period, found)
+
+    def fits(self, levels: Sequence[fragility.RecordLevel]) -> list[dynamic.MeasureFit]:
+        """Return median and β of the same levels by each measure."""
+        found = []
+        for name, unit in UNITS.items():
+            by = [replace(each, level=each.level * self.over_pga[each.record][name]) for each in levels]
+            fit, period = fragility.over_records(by), self.period if name == "Sa(T)" else None
+            median, beta = (fit.median, fit.beta) if fit else (None, None)
+            found.append(
+                dynamic.MeasureFit(measure=name, unit=unit, period_s=period, median=median, beta=beta)
+            )
+        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,17 +99,19 @@ class Searches:
 
     @classmethod
     def made(
-        cls, stage: str, table: SetTable, places: Iterable[Place], motions: Sequence[BaseMotion], drawn: Assembly,
-        scans: Scans, study: Study, *, signs: Sequence[int] = tuple(DIRECTIONS), by: str = "PGA",
-        levels: Sequence[float] = (), looks: bool = True,
+        cls, table: IncrementalTable | CampaignTable, places: Iterable[Place], motions: Sequence[BaseMotion],
+        drawn: Assembly, scans: Scans, study: Study,
     ) -> Self:  # fmt: skip
-        """Scan the records from the places; see Scans.settle. `by`: the measure that `levels` and medians are of."""
-        # many arguments: all that the two analyses do not have in common
+        """Scan the records of a table from the places, at the time step that they need; see Scans.settle."""
         project, measures = scans.project, Measures.of(scans.project, motions)
-        reach = Reach(table.max_scale, stripes=tuple(levels)) if levels else reach_of(project)
+        campaign = table if isinstance(table, CampaignTable) else None
+        stage, signs = ("campaign", campaign.signs) if campaign else ("incremental", tuple(DIRECTIONS))
+        by, levels = campaign.measure if campaign else "PGA", (campaign and campaign.levels_g) or ()
+        reach = Reach(table.max_scale, stripes=levels) if levels else reach_of(project)
         ratio = {name: each[by] for name, each in measures.over_pga.items()}
         asked = asked_for(project, table, drawn, places, motions, signs, reach, ratio)
-        scans.settle(stage, asked, looks and not levels, study)
+        looks = not levels and (campaign is not None or accuracy_of(project).tolerance is None)
+        scans.settle(stage, asked, looks, study)
         return cls(stage, asked, scans, study, measures, levels)
 
     def of(self, state: Place | None) -> list[Asked]:
@@ -85,8 +139,12 @@ class Searches:
         Of one record that collapses there is a level of 50 % and no scatter; of few records no ranges and no rule.
         """
         done = [(each, row) for each, row in zip(self.of(state), rows, strict=True) if row.reason is None]
-        levels, fit = record_levels([row for _, row in done]), None
-        spread: fragility.Dispersion | None = None
+        levels = [  # of 50 %; lower bounds where none collapses
+            fragility.RecordLevel(row.record, level, row.level_50_g is None, row.beta or 0.0)
+            for _, row in done
+            if (level := row.level_50_g or row.pga_safe_g)
+        ]
+        fit = spread = None
         if self.levels:
             shares, names = self._shares([each for each, _ in done]), [row.record for _, row in done]
             spread = fit = fragility.over_stripes(self.levels, shares, names)
@@ -105,10 +163,30 @@ class Searches:
         )  # fmt: skip
 
     def loss(self, state: Place, base: Place | None) -> dynamic.Loss:
-        """Return the loss of capacity 1 − after/before of a state against its `base`, if there is one."""
+        """Return the loss of capacity 1 − after/before of a state against its `base`, if there is one.
+
+        Of both signs of the records together; where one loses and the other gains by their ranges, that of the former.
+        """
         pairs = list(zip(self.of(base), self.of(state), strict=True)) if base else []
-        loss = self._loss_of_stripes(pairs) if self.levels else paired_loss(pairs, self.scans)
-        return loss.replace(dynamic_range=[0.0, 0.0]) if state is base else loss
+        loss = self._loss_of(pairs)
+        if state is base:
+            return loss.replace(dynamic_range=[0.0, 0.0]) if loss.dynamic is not None else loss
+        signs = {
+            way: self._loss_of([both for both in pairs if both[0].sign == sign])
+            for sign, way in DIRECTIONS.items()
+        }
+        losing = next((way for way, each in signs.items() if (each.dynamic_range[0] or 0.0) > 0.0), None)
+        gains = (  # without bound where nothing collapses any more
+            (each.dynamic_range[1] or 0.0) < 0.0 or (each.dynamic is None and each.records)
+            for each in signs.values()
+        )
+        if losing is None or not any(gains):
+            return loss
+        both = {way: each.dynamic for way, each in signs.items()}
+        return signs[losing].replace(left_out=loss.left_out, directions=both)
+
+    def _loss_of(self, pairs: Sequence[tuple[Asked, Asked]]) -> dynamic.Loss:
+        return self._loss_of_stripes(pairs) if self.levels else paired_loss(pairs, self.scans)
 
     def _loss_of_stripes(self, pairs: Sequence[tuple[Asked, Asked]]) -> dynamic.Loss:
         """Return the loss of the median over `pairs`; its range is that of the bootstrap over records."""
@@ -128,7 +206,7 @@ class Searches:
         ends: list[float | None] = [None, None]
         if len(lost) > 1 and np.isfinite(lost).all():
             ends = fragility.confidence(lost[1:])
-        return _loss(float(lost[0]), ends, pairs, loss.left_out)
+        return _loss(float(lost[0]), ends, pairs, [one.record for one, _ in done])
 
     def _shares(self, own: Sequence[Asked]) -> Array:
         """Return the shares (n, k) of motions that collapse at each level of the stripes."""
@@ -140,7 +218,8 @@ def paired_loss(pairs: Sequence[tuple[Asked, Asked]], scans: Scans) -> dynamic.L
     """Return the median over `pairs`, before and after, of the losses of 50 % levels, at one time step.
 
     Its range is that of the bootstrap over records, with what each level is known to where collapse scatters by the
-    root of the mean square of the β of all these levels. Pairs with a value missing are counted in `left_out`.
+    root of the mean square of the β of all these levels; of fewer than ENOUGH records that of the latter alone. Pairs
+    with a value missing are counted in `left_out`.
     """
     names, changes, errors = [], [], []
     seen = [tuple(scan.seen for scan in scans.paired(*both)) for both in pairs]
@@ -152,39 +231,33 @@ def paired_loss(pairs: Sequence[tuple[Asked, Asked]], scans: Scans) -> dynamic.L
         names.append(one.record)
         changes.append(math.log(after.middle / before.middle) if after.middle else math.inf)
         errors.append(math.hypot(before.known_to(beta), after.known_to(beta)))
-    left_out = len(pairs) - len(names)
     if not names:
-        return UNKNOWN.replace(left_out=left_out)
+        return UNKNOWN.replace(left_out=len(pairs))
     samples = fragility.samples_of_records(names)
     weights = (np.ones((1, len(names))) if samples is None else samples).astype(int)
     random = np.random.default_rng(RESAMPLED)
     noise = random.standard_normal((fragility.SAMPLES, len(names))) * errors + changes
     medians = [float(np.median(np.repeat(each, weights[k % len(weights)]))) for k, each in enumerate(noise)]
     ends = [_lost(value) for value in np.quantile(medians, [0.975, 0.025], method="nearest")]
-    return _loss(_lost(float(np.median(changes))), ends, pairs, left_out)
+    return _loss(_lost(float(np.median(changes))), ends, pairs, names)
 
 
 def _loss(
-    lost: float | None, ends: list[float | None], pairs: Iterable[tuple[Asked, Asked]], left_out: int
+    lost: float | None, ends: list[float | None], pairs: Sequence[tuple[Asked, Asked]], names: Sequence[str]
 ) -> dynamic.Loss:
-    low, high = ends
+    """Return the loss of some `pairs`, known for records of these `names`."""
+    (low, high), records = ends, len(set(names))
     unmoved = all(one is other for one, other in pairs)
     distinct = None if unmoved or low is None or high is None else not low <= 0.0 <= high
-    return dynamic.Loss(dynamic=lost, dynamic_range=ends, distinguishable=distinct, left_out=left_out)
+    return dynamic.Loss(
+        dynamic=lost, dynamic_range=ends, left_out=len(pairs) - len(names), records=records,
+        distinguishable=None if distinct and records < ENOUGH else distinct,
+    )  # fmt: skip
 
 
 def _lost(change: float) -> float | None:
     """Return the loss of a change of ln level; None where only an upper bound of it is known."""
     return None if math.isinf(change) else 1.0 - math.exp(change)
-
-
-def record_levels(rows: Iterable[dynamic.Scanned]) -> list[fragility.RecordLevel]:
-    """Return the 50 % levels of records and signs that were completed; lower bounds where none collapses."""
-    return [
-        fragility.RecordLevel(row.record, level, row.level_50_g is None, row.beta or 0.0)
-        for row in rows
-        if row.reason is None and (level := row.level_50_g or row.pga_safe_g)
-    ]
 
 
 def worse_signs(rows: Iterable[dynamic.Scanned]) -> dict[str, dynamic.Scanned]:
@@ -225,10 +298,10 @@ def findings(
     searches: Searches, records: int, found: Iterable[tuple[Place, dynamic.Fragility, dynamic.Loss | None]]
 ) -> Iterator[Message]:
     """Yield what to know of a study as a whole, and of the fragility and the loss of each of its states."""
-    if records < fragility.ENOUGH:
+    if records < ENOUGH:
         yield message(
             "records: {count}; NTC 2018 §7.3.5 asks for at least {least}; the scatter from record to record is not "
-            "known", count=records, least=fragility.ENOUGH,
+            "known", count=records, least=ENOUGH,
         )  # fmt: skip
     if any(each.run_sign != each.sign for each in searches.asked):
         yield message(
@@ -237,6 +310,13 @@ def findings(
         )
     for state, fit, loss in found:
         for text in doubts(fit, bool(searches.levels)):
+            yield headed(state.title, text)
+        if loss is not None and loss.directions:
+            [way] = [way for way, lost in loss.directions.items() if lost == loss.dynamic]
+            text = message(
+                "the two signs of the records go opposite ways: the loss is that of {direction}, {loss:.0%}; with the "
+                "other sign there is a gain", direction=way, loss=known(loss.dynamic),
+            )  # fmt: skip
             yield headed(state.title, text)
         if loss is not None and loss.distinguishable is False:
             lost, low, high = (round(x or 0.0, 2) + 0.0 for x in (loss.dynamic, *loss.dynamic_range))
@@ -256,7 +336,7 @@ def doubts(fit: dynamic.Fragility, stripes: bool) -> Iterator[Message]:
             "bounds; raise max_scale, or levels_g, to find their collapse", withstood=fit.withstood,
             count=fit.combinations,
         )  # fmt: skip
-    if fit.median_g is None and fit.failed < fit.combinations:
+    if stripes and fit.median_g is None and fit.failed < fit.combinations:
         yield message(
             "no median of collapse is found; some levels have to be withstood, and others not, and more "
             "combinations collapse as levels grow"
@@ -281,8 +361,8 @@ def incremental(
             pushed, start = inputs.pushovers.get(name, {}), inputs.starts[name, table.contacts]
             ends = ultimate_of(pushed, control), least_d_0(pushed, control)
             states[name] = Place(message("{state}", state=name), "", *start, *ends)
-    looks, drawn = accuracy_of(project).tolerance is None, inputs.starts[ORIGINAL, table.contacts][0]
-    searches = Searches.made("incremental", table, states.values(), motions, drawn, scans, study, looks=looks)
+    drawn = inputs.starts[ORIGINAL, table.contacts][0]
+    searches = Searches.made(table, states.values(), motions, drawn, scans, study)
     errors = scans.refine(searches.asked, study)
     found = {}
     for name, state in states.items():

@@ -18,7 +18,7 @@ from assessment.report import language
 from assessment.report.chapters.remarks import worked_by_hand
 from assessment.report.tables import TABLES, dynamic, mechanisms, structure, studies, without
 from assessment.report.tables import capacity as checked
-from assessment.report.tables.cracks import reported_cracks, survey_table
+from assessment.report.tables.structure import reported_cracks, survey_table
 from assessment.results import hand_check
 from assessment.results.schema import QUANTITIES, Line, Results, present
 from assessment.results.summary import index_limit, index_of, least_row, printed, undetermined

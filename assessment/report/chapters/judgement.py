@@ -122,7 +122,7 @@ def _campaign(results: Results, words: Words) -> Iterator[Markup]:
             continue
         indistinct, pair = loss.distinguishable is False, (loss.dynamic, static or 0.0)
         # one a gain, both of them more than nothing as they are printed
-        opposed = pair[0] * pair[1] < 0.0 and min(map(abs, pair)) >= ONE_PER_CENT and not indistinct
+        opposed = pair[0] * pair[1] < 0.0 and min(map(abs, pair)) >= ONE_PER_CENT and loss.distinguishable
         kind = "alone" if static is None else "opposed" if opposed else "beside"
         measure = "PGA" if each.by_pga else words.plain("judgement.campaign_sa")
         what = {"settlement": settlement, "share": words.comma(f"{100.0 * each.share:g}"), "measure": measure}

@@ -11,9 +11,9 @@ from markupsafe import Markup
 from assessment.ntc.verification import THRUSTING_A_G
 from assessment.report.language import Words, translated
 from assessment.report.tables import capacities, structure
-from assessment.report.tables.cracks import SEEN, cracks_of, surveyed
 from assessment.report.tables.dynamic import shaken
 from assessment.report.tables.mechanisms import alpha_at_d_0, excesses
+from assessment.report.tables.structure import SEEN, cracks_of, surveyed
 from assessment.results import hand_check, summary
 from assessment.results.schema import Behaviour, Direction, Results
 from assessment.results.summary import UNLIKELY, best_of, fits, settlement_lines, told_of

@@ -5,7 +5,7 @@ from itertools import groupby
 
 from markupsafe import Markup
 
-from assessment.ntc.tables import INDEXED, LINEAR, USE_COEFFICIENT, return_period
+from assessment.ntc.tables import ENOUGH, INDEXED, LINEAR, USE_COEFFICIENT, return_period
 from assessment.report.chapters.grids import Grid, grid
 from assessment.report.chapters.remarks import few_records
 from assessment.report.language import Words, direction_name, indexed, label, number, written
@@ -19,6 +19,7 @@ from assessment.results.table import ORIGINAL, Row, Table, reduction
 
 QUALITY_ANNEX = "D"  # of the report: where warnings are listed
 ALIKE = 1e-3  # ratio of capacities that are alike
+SPACED = 0.05  # of the levels of motions: a change no larger is none
 LISTED = ("alpha_0", "d_0_m", "alpha_u", "static_pga_g", "dynamic_pga_g")
 
 
@@ -49,7 +50,8 @@ def lead(results: Results, words: Words) -> list[Markup]:
     loss = next(filter(None, moved), None)
     if loss is not None and loss.dynamic is not None and None not in loss.dynamic_range:
         low, high = loss.dynamic_range
-        kind = "loss_indistinct" if loss.distinguishable is False else "dynamic_loss"
+        few = loss.records is not None and loss.records < ENOUGH
+        kind = "loss_indistinct" if loss.distinguishable is False else f"dynamic_loss{'_few' * few}"
         sentences.append(words(f"synthesis.{kind}", loss=loss.dynamic, low=low, high=high))
     return [each for each in (*sentences, *_broken_ties(results, words)) if each]
 
@@ -183,7 +185,8 @@ def _strengthened(results: Results, name: str, words: Words) -> Markup:
     shook, shakes = (results.states[state].incremental.fragility for state in (of, name))
     if distinct and shook and shakes and summary.apart(shook, shakes, "pga_collapse_g"):
         level, later = shook.pga_collapse_g, shakes.pga_collapse_g
-        if (reduction(level, later) or 0.0) * (gain or 0.0) > 0.0:  # one gains where the other loses
+        lost = reduction(level, later) or 0.0
+        if abs(lost) > SPACED and lost * (gain or 0.0) > 0.0:  # one gains where the other loses
             said += Markup(" ") + words("synthesis.strengthened_opposed", before=level, after=later)
     return said
 

@@ -13,8 +13,8 @@ from matplotlib.patches import Patch
 from assessment.report.figures import drawing as parts
 from assessment.report.figures.style import Panels, key, sheet
 from assessment.report.language import Words
-from assessment.report.tables.cracks import cracks_of, surveyed
 from assessment.report.tables.mechanisms import alpha_at_d_0
+from assessment.report.tables.structure import cracks_of, surveyed
 from assessment.results import hand_check
 from assessment.results.frames import tie_ends, ties_of
 from assessment.results.joint_states import Situation, faces_of, joint_states, outlines, thrust_lines

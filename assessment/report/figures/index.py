@@ -18,9 +18,8 @@ from assessment.report.figures.drawing import draw_model
 from assessment.report.figures.style import save_png, save_svg
 from assessment.report.language import slug, words_of
 from assessment.report.tables import capacities
-from assessment.report.tables.cracks import cracks_of, surveyed
 from assessment.report.tables.dynamic import shaken
-from assessment.report.tables.structure import printed
+from assessment.report.tables.structure import cracks_of, printed, surveyed
 from assessment.results.frames import tie_ends
 from assessment.results.hand_check import governing_view, mechanisms
 from assessment.results.joint_states import joint_states, outlines, situations, thrust_lines

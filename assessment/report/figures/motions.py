@@ -243,7 +243,7 @@ def _seen(of: Shaken) -> tuple[Sequence[float], Sequence[float]]:
 
 
 def draw_campaign_loss(results: Results, words: Words) -> Figure:
-    """Draw the loss of capacity over the movement, a panel per settlement: dynamic with 95 % bounds, static beside."""
+    """Draw the loss of capacity over the movement, a panel per settlement: dynamic with its bounds, static beside."""
     campaign = known(results.campaign)
     names = list(dict.fromkeys(row.settlement for row in campaign.loss))
     figure, panels = chart(words, len(names))

@@ -5,8 +5,6 @@ from assessment.results.schema.static import Pictured, TiePull
 
 Range = list[float | None]
 """Least and largest of the members of an ensemble; null: a collapse, beyond any value."""
-Bound = list[float]
-"""A probability and two levels."""
 
 
 class AppliedRecord(Part):
@@ -267,7 +265,7 @@ class Fragility(Part):
     level_84_g: float | None = key("level of which 84 % collapse")
     median_range: Range | None = key("95 % of the bootstrap; null: fewer than three records", unit="g")
     beta_range: Range | None = key("95 % of the bootstrap; null: fewer than three records")
-    band: list[Bound] = key(
+    band: list[list[float]] = key(
         "probability, and the 95 % bounds of the level that has it; empty: few records", unit="–, g"
     )
     measures: list[MeasureFit] = key("the same levels by other measures of the records; of stripes none")
@@ -287,12 +285,18 @@ class Fragility(Part):
 class Loss(Part):
     """1 − level at collapse after / before: the median over records and signs, of the 50 % level of each."""
 
-    dynamic: float | None = key("median of the records, of the 50 % level of each; null: not known")
-    dynamic_range: Range = key("95 % of the bootstrap, with what each level is known to; null: not known")
+    dynamic: float | None = key(
+        "median of the 50 % levels, of both signs, or of that which loses; null: not known"
+    )
+    dynamic_range: Range = key(
+        "95 % of the bootstrap, with what levels are known to, of few records this alone"
+    )
     distinguishable: bool | None = key(
-        "whether the range leaves zero out; null: no range", "Da una perdita nulla|From no loss"
+        "whether zero lies outside; null: no range, or few records", "Da una perdita nulla|From no loss"
     )
     left_out: int = key("combinations that are not known on both sides", "Escluse|Left out")
+    records: int | None = optional("records that it is known of")
+    directions: dict[str, float | None] | None = optional("of each sign, where one gains", unit="–")
 
 
 class Incremental(Part):

@@ -13,9 +13,8 @@ from assessment.report.tables.dynamic import incremental
 from assessment.results.schema.dynamic import Fragility, Scanned
 from assessment.results.schema.part import plain
 from assessment.runtime.cache import Store
-from assessment.studies.record_set import UNITS, Measures
 from assessment.studies.scans import Asked, Place, Scans
-from assessment.studies.searches import Searches, _search, findings, standard_of
+from assessment.studies.searches import UNITS, Measures, Searches, _search, findings, standard_of
 from assessment.studies.variants import Study
 from assessment.workflow.stages import run
 from mechanics.messages import message

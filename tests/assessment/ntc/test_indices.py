@@ -2,8 +2,13 @@
 
 import pytest
 
-from assessment.ntc.indices import attained, expected_annual_loss, heritage_and_risk_indices, required_zeta
-from assessment.ntc.tables import confidence_factor
+from assessment.ntc.tables import (
+    attained,
+    confidence_factor,
+    expected_annual_loss,
+    heritage_and_risk_indices,
+    required_zeta,
+)
 from tests.support.trace_check import recomputed
 
 

@@ -342,6 +342,21 @@ def test_floor_spectrum_by_hand():
     assert first_mode(0.5, 3, 4.0, 10.0).gamma == pytest.approx(9 / 7)
 
 
+def test_a_check_with_the_demand_at_one_period_is_verified_by_the_maximum_of_the_circular():
+    """An index of 1.15 was told as verified where the maximum of a record's S_De over [T_0, T] gave 0.46."""
+    swinging = RecordSpectrum(0.1 * np.sin(9.0 * T) * np.sin(0.2 * T), 0.01)
+    found = {"at_period": [], "maximum": []}
+    for d_0 in np.geomspace(0.1, 3.0, 25):
+        for demand, checks in found.items():
+            method = Method(displacement_demand=demand)
+            checks.append(check_nonlinear(_block(0.05, d_0), "SLC", swinging, method))
+    pairs = list(zip(*found.values(), strict=True))
+    assert any(at.zeta_E >= 1.0 > most.zeta_E for at, most in pairs)
+    assert all(at.verified == most.verified for at, most in pairs)
+    told = ["maximum over [T_0, T]" in " ".join(at.notes) for at, most in pairs]
+    assert told == [at.a_g_g > 1.001 * most.a_g_g for at, most in pairs]
+
+
 def test_mechanism_at_height():
     """Activation: a_Z(z) = a_0*; the nonlinear check solves S_DeZ = d with the floor spectrum."""
     floor = FloorSpectrum(SOIL_A, (first_mode(0.4, 3, 7.0, 10.0), Mode(0.13, -0.4, 0.6)))

@@ -11,7 +11,7 @@ from assessment.report.chapters.judgement import draft_judgement
 from assessment.report.chapters.synthesis import lead
 from assessment.report.document import render_html
 from assessment.report.figures.motions import draw_ida
-from assessment.report.language import words_of
+from assessment.report.language import plain_text, words_of
 from assessment.report.tables.dynamic import fragility_model, shaken, static_dynamic
 from tests.support.judgement.claims import hold
 from tests.support.pictured import draw_sections
@@ -148,6 +148,23 @@ def test_the_judgement_sets_the_loss_beside_the_static_one_and_remarks_opposite_
     for row in results["campaign"]["loss"]:
         row["static"] = static
     assert f"campaign_{key}" in hold(results)
+
+
+def test_a_loss_of_fewer_than_three_records_has_no_bounds_of_95_per_cent():
+    results = results_with_campaign("en")
+    assert any(
+        "with 95 % between" in plain_text(each).replace("\u00a0", " ")
+        for each in lead(typed(results), words_of(typed(results)))
+    )
+    for row in results["campaign"]["loss"]:
+        row |= {"records": 2, "distinguishable": None, "static": -0.1}
+    said = [
+        plain_text(each).replace("\u00a0", " ") for each in lead(typed(results), words_of(typed(results)))
+    ]
+    assert any("of fewer than three records" in each for each in said) and not any(
+        "95 %" in each for each in said
+    )
+    assert "campaign_beside" in hold(results)
 
 
 def test_the_judgement_tells_which_states_a_record_makes_collapse():

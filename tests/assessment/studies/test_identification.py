@@ -7,7 +7,7 @@ open, so that a path predicts what any other path to the same movement does.
 import numpy as np
 import pytest
 
-from assessment.project.gauges import Gauge, readings
+from assessment.project.model import Gauge, readings
 from assessment.runtime.cache import Store
 from assessment.runtime.tasks import Workers
 from assessment.studies import identification as search_module

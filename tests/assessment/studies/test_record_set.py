@@ -11,7 +11,8 @@ from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.project.motions import BaseMotion, check_record_set, doubtful_records
 from assessment.project.schema import CampaignTable
 from assessment.runtime.errors import ProjectError
-from assessment.studies.record_set import Measures, compatibility, scaled_to
+from assessment.studies.campaign import compatibility, scaled_to
+from assessment.studies.searches import Measures
 from mechanics.records.record import Record
 
 

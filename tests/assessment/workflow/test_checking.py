@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from assessment.project.catalogue.new_project import made, new_project, write_drawing
-from assessment.project.gauges import gauges
 from assessment.project.masonry import chosen_mechanisms
-from assessment.project.model import build_model
+from assessment.project.model import build_model, gauges
 from assessment.project.project import load_project
 from assessment.results.hand_check import hand_checks, macro_blocks
 from assessment.studies import identification

@@ -290,6 +290,7 @@ def test_an_intervention_is_told_in_the_direction_in_which_it_found_the_structur
         ([0.12, 0.16], (0.3, 0.25), "makes no distinguishable difference to α_0: 0.131, then 0.157 (+x)."),
         (None, (0.3, 0.25), "a gain of 20 %. The two capacities go opposite ways: the PGA at collapse by the motions "
          "goes from 0.300 g to 0.250 g"),
+        (None, (0.148, 0.146), "a gain of 20 %."),
     ],
 )  # fmt: skip
 def test_without_an_assessment_an_intervention_is_told_by_its_multiplier(alpha_range, levels, told):

@@ -10,8 +10,7 @@ from assessment.report.chapters.remarks import survey as survey_sentences
 from assessment.report.figures import deformed
 from assessment.report.figures.deformed import draw_cracks
 from assessment.report.language import words_of
-from assessment.report.tables.cracks import SEEN, cracks, survey_table
-from assessment.report.tables.structure import PRINTED
+from assessment.report.tables.structure import PRINTED, SEEN, cracks, survey_table
 from mechanics.pictures import STYLE
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
