@@ -3,15 +3,14 @@
 from importlib import import_module
 from typing import Any
 
-from assessment.project.catalogue import ARCHES, WALLS
+from assessment.project.catalogue import NAMES
 
 _NAMES = {  # by the module that has them
     "ntc.spectrum": "ElasticSpectrum RecordSpectrum",
     "ntc.hazard": "site_hazard",
-    "ntc.curve_fit": "fit_curve",
-    "ntc.capacity_curve": "capacity_curve participation",
+    "ntc.capacity_curve": "capacity_curve fit_curve participation",
     "ntc.verification": "verify",
-    "scripting": " ".join(("fragility", "incremental", *WALLS, *ARCHES)).replace("-", "_"),
+    "scripting": " ".join(("fragility", "incremental", *NAMES)).replace("-", "_"),
 }
 _HOME = {name: home for home, names in _NAMES.items() for name in names.split()}
 __all__ = sorted(_HOME)  # noqa: PLE0605 - each is named once

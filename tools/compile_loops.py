@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from assessment.benchmark.structures import rectangle, running_bond
+from assessment.benchmark.measure import rectangle, running_bond
 from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover, time_history
 from mechanics.model.assembly import Behaviour
 from mechanics.procedures.motion_start import Integrator

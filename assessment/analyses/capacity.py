@@ -14,7 +14,7 @@ from assessment.analyses.lateral import FRICTION
 from assessment.analyses.paths import loss_sentence, what_is_lost
 from assessment.analyses.states import PAST_PEAK
 from assessment.ntc import capacity_curve as oscillator
-from assessment.ntc.curve_fit import CapacityError, Curve, Way, fit_curve
+from assessment.ntc.capacity_curve import CapacityError, Curve, Way, fit_curve
 from assessment.ntc.floor_spectrum import Spectrum, ground_of
 from assessment.ntc.hazard import HazardCurve
 from assessment.ntc.tables import farthest

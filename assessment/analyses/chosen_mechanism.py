@@ -15,8 +15,7 @@ from assessment.analyses.capacity import checks_of, curve_of, method_of
 from assessment.analyses.demand import Demands, confidence_source
 from assessment.analyses.found import as_part
 from assessment.analyses.paths import broken_tie
-from assessment.ntc.capacity_curve import capacity_curve, mass_share
-from assessment.ntc.curve_fit import CapacityError, CurveFit, fit_rigid
+from assessment.ntc.capacity_curve import CapacityError, CurveFit, capacity_curve, fit_rigid, mass_share
 from assessment.ntc.floor_spectrum import Spectrum
 from assessment.ntc.tables import CONFIDENCE_FACTOR
 from assessment.ntc.verification import Method, verify

@@ -12,8 +12,7 @@ import numpy as np
 import mechanics
 from assessment.analyses import paths
 from assessment.analyses.found import Found, as_part
-from assessment.ntc.capacity_curve import mass_share, mechanism_participation
-from assessment.ntc.curve_fit import CapacityError, yield_point
+from assessment.ntc.capacity_curve import CapacityError, mass_share, mechanism_participation, yield_point
 from assessment.project.project import Project
 from assessment.project.schema import ControlTable
 from assessment.results import frames

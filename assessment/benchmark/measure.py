@@ -1,7 +1,7 @@
-"""The runner: processor time and error of a case, the baseline to which every time is a ratio; machine and tables.
+"""What is measured, and how: structures, some built here, others of templates; processor time and error of a case.
 
-The baseline is PIQP called once a step, for the same program and in the same run: a ratio carries over to other, and
-to busy, machines. Whatever its bed, a joint is there one of two contact points at its ends.
+A time is a ratio to PIQP called once a step, for the same program and in the same run: a ratio carries over to other
+and to busy machines. Whatever its bed, a joint is there one of two contact points at its ends.
 """
 
 import csv
@@ -14,23 +14,117 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from itertools import pairwise
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, TypeVar
 
 import numpy as np
 
 import mechanics
+from assessment.project.catalogue.new_project import new_project
+from assessment.project.model import build_model
+from assessment.project.project import Project, load_project
 from assessment.runtime.cache import installed
+from mechanics import Assembly, Block, Material, Pushdown, Pushover, State, pushdown, pushover
 from mechanics.kernels.law import SEGMENTS
-from mechanics.model.assembly import Behaviour
+from mechanics.model.assembly import Behaviour, Direction
 from mechanics.program import Program
 from mechanics.solvers import qp_piqp
 from mechanics.steps.equilibrium import closed_program
 from mechanics.steps.static_step import StepProblem
 from mechanics.steps.static_system import static_system
 from mechanics.types import GRAVITY, Array
+
+
+def rectangle(x0: float, z0: float, x1: float, z1: float) -> list[list[float]]:
+    """Corners (4, 2) of a rectangle between two of them, m."""
+    return [[x0, z0], [x1, z0], [x1, z1], [x0, z1]]
+
+
+def block_on_base(
+    width: float = 0.2, height: float = 1.0, friction: float = 0.7, stiffness: float = 5e5, segments: int | None = None
+) -> Assembly:  # fmt: skip
+    """A block 1 m deep, its lower left corner at the origin, on a wide support; `segments` of its bed, None: exact."""
+    stone = Material(18.0, friction, stiffness)
+    base = Block(rectangle(-5 * width, -0.1 * height, 5 * width, 0.0), 1.0, stone, support="base")
+    return Assembly([base, Block(rectangle(0.0, 0.0, width, height), 1.0, stone)], segments)
+
+
+def running_bond(
+    columns: int = 5, courses: int = 6, length: float = 0.4, height: float = 0.175, friction: float = 0.65,
+    stiffness: float = 1e6, full_on_top: bool = True,
+) -> Assembly:  # fmt: skip
+    """Courses of whole bricks alternating with half-brick-ended ones; by default wall 1 of Ferris and Tin-Loi."""
+    stone = Material(18.0, friction, stiffness)
+    width = columns * length
+    blocks = [Block(rectangle(-length, -height, width + length, 0.0), 0.1, stone, support="base")]
+    for j in range(courses):
+        edges, low, high = np.arange(columns + 1) * length, j * height, (j + 1) * height
+        if ((courses - 1 - j) % 2 == 0) != full_on_top:
+            edges = np.r_[0.0, (np.arange(columns) + 0.5) * length, width]
+        blocks += [Block(rectangle(a, low, b, high), 0.1, stone) for a, b in pairwise(edges)]
+    return Assembly(blocks)
+
+
+def in_frame(model: Assembly, length: float, origin: tuple[float, float], weight: float) -> Assembly:
+    """Return the model with lengths and unit weights multiplied, and then moved to an origin (m)."""
+    blocks = []
+    for block in model.blocks:
+        material = replace(block.material, unit_weight=weight * block.material.unit_weight)
+        blocks.append(replace(block, vertices=length * block.polygon + np.array(origin), material=material))
+    return Assembly(blocks)
+
+
+@cache
+def template(name: str) -> Project:
+    """A new project from a built-in template, in a folder that lasts as long as the process."""
+    folder = Path(_scratch().name) / name
+    new_project(folder, name, {})
+    return load_project(folder)
+
+
+@cache
+def assembly(name: str, segments: int | None = None) -> Assembly:
+    """The assembly of a template, its elastic joints of `segments`; None: exact."""
+    project = template(name)
+    geometry = project.geometry.model_copy(update={"segments_per_joint": segments})
+    return build_model(project.model_copy(update={"geometry": geometry})).assembly
+
+
+def settled(
+    name: str, contacts: Behaviour, times: float = 1.0, segments: int | None = None, to_collapse: bool = False
+) -> Pushdown:
+    """A template's movement, in `times` its increment."""
+    (table,) = template(name).settlements
+    assert table.increment_m is not None
+    return pushdown(
+        assembly(name, segments), table.support, table.displacement_m, 0.0, times * table.increment_m, contacts,
+        to_collapse=to_collapse,
+    )  # fmt: skip
+
+
+def pushed(
+    name: str, way: Direction = "+x", contacts: Behaviour = "rigid", times: float = 1.0,
+    state: State | None = None, segments: int | None = None, until: float = 0.0,
+) -> Pushover:  # fmt: skip
+    """A template's capacity curve, in `times` its increment."""
+    point, increment = control(name, way)
+    return pushover(assembly(name, segments), point, way, contacts, times * increment, state, until)
+
+
+def control(name: str, way: Direction = "+x") -> tuple[tuple[float, float], float]:
+    """The control point (m) of a template, and its increment (m)."""
+    project = template(name)
+    assert project.pushover is not None
+    return project.pushover_control(way).point_m, project.pushover.increment_m
+
+
+@cache
+def _scratch() -> TemporaryDirectory[str]:
+    return TemporaryDirectory(prefix="assesto-benchmark-")
+
 
 Row = dict[str, Any]
 """Fields by name, `case` first; None or NaN: not measured; `failed`: why."""
@@ -109,7 +203,7 @@ def rows_of(case: "Case") -> Iterator[Row]:
             yield row
 
 
-def path_baseline(path: mechanics.Pushdown | mechanics.Pushover) -> tuple[list[Program], int]:
+def path_baseline(path: Pushdown | Pushover) -> tuple[list[Program], int]:
     """Programs that lead from points of a path, SAMPLES or a few more, to the next ones; and how many steps it has."""
     every = max(len(path.steps) // SAMPLES, 1)
     programs = []
@@ -118,7 +212,7 @@ def path_baseline(path: mechanics.Pushdown | mechanics.Pushover) -> tuple[list[P
         moved = step.state.positions - before.state.positions
         size = max(float(abs(moved[:, :2]).max()), 1e-6 * model.size)
         lateral, work = None, 0.0
-        if isinstance(path, mechanics.Pushover):
+        if isinstance(path, Pushover):
             lateral = model.lateral_load("+x")
             work = float((lateral * moved).sum())
         at = np.where(model.movable[:, None], before.state.positions, step.state.positions)
@@ -128,13 +222,13 @@ def path_baseline(path: mechanics.Pushdown | mechanics.Pushover) -> tuple[list[P
 
 
 def history_baseline(
-    model: mechanics.Assembly, behaviour: Behaviour, acceleration: Array, motion: mechanics.TimeHistory
+    model: Assembly, behaviour: Behaviour, acceleration: Array, motion: mechanics.TimeHistory
 ) -> tuple[list[Program], int]:
     """Implicit Euler steps (paper, eq. 3) from states of a motion, accelerations (k,) in g; its number of steps."""
     step, count = float(motion.time[1]), len(motion.time) - 1
     programs = []
     for k in range(0, count, max(count // SAMPLES, 1)):
-        state = mechanics.State(motion.positions[k], motion.velocities[k])
+        state = State(motion.positions[k], motion.velocities[k])
         speed = float(abs(state.velocities[:, :2]).max())
         size = max(GRAVITY * step**2, step * speed)
         system = static_system(model, behaviour).around(state.positions, size)
@@ -145,7 +239,7 @@ def history_baseline(
     return programs, count
 
 
-def pushed_program(model: mechanics.Assembly) -> Program:
+def pushed_program(model: Assembly) -> Program:
     """The program of limit analysis towards +x."""
     return closed_program(model, model.initial).pushed(model, model.lateral_load("+x")).program
 

@@ -9,8 +9,8 @@ from typing import Any, Self
 import numpy as np
 from scipy.stats import binom
 
+from assessment.benchmark import measure as runner
 from assessment.benchmark.measure import Case, Row, exponent, history_baseline, rows_of
-from assessment.benchmark.structures import assembly, block_on_base, control, running_bond, template
 from assessment.project.catalogue.new_project import RECORD
 from mechanics import Assembly, ConvergenceError, State, TimeHistory, read_record, time_history
 from mechanics.model.assembly import Behaviour
@@ -108,7 +108,9 @@ def pulse(amplitude: float, duration: float) -> Wave:
 def shaken_arch(contacts: Behaviour = "elastic", amplitude: float = 0.03) -> ShakenCase:
     """The buttressed arch, shaken so that some of its joints open."""
     name, damping = f"buttressed arch, shaken, {contacts}", DAMPING if contacts == "elastic" else 0.0
-    return ShakenCase(name, assembly(ARCH), contacts, control(ARCH)[0], 3.0, shaking(amplitude), damping)
+    return ShakenCase(
+        name, runner.assembly(ARCH), contacts, runner.control(ARCH)[0], 3.0, shaking(amplitude), damping
+    )
 
 
 def rocking_freely() -> ShakenCase:
@@ -116,7 +118,7 @@ def rocking_freely() -> ShakenCase:
 
     Housner (1963): θ'' = −p² sin(α − θ), and an impact leaves e² of the energy, e = 1 − 1.5 sin² α.
     """
-    model, alpha = block_on_base(0.6, 4.2, stiffness=1e6), float(np.arctan(0.6 / 4.2))
+    model, alpha = runner.block_on_base(0.6, 4.2, stiffness=1e6), float(np.arctan(0.6 / 4.2))
     e, left = 1.0 - 1.5 * np.sin(alpha) ** 2, np.cos(0.5 * alpha) - np.cos(alpha)  # of the energy over W R
     third = alpha - float(np.arccos(np.cos(alpha) + left * e**4))
     return ShakenCase(
@@ -128,7 +130,7 @@ def rocking_freely() -> ShakenCase:
 
 def dynamics(quick: bool) -> Iterator[Row]:
     """Error of the largest displacement against processor time, of every motion, integrator and step or tolerance."""
-    soft, stiff = (block_on_base(0.6, 4.2, stiffness=stiffness) for stiffness in (1e5, 1e6))
+    soft, stiff = (runner.block_on_base(0.6, 4.2, stiffness=stiffness) for stiffness in (1e5, 1e6))
     at, name = (0.6, 4.2), "rocking block, pulse"
     rigid = ShakenCase(f"{name}, rigid", stiff, "rigid", at, 3.0, pulse(0.3, 0.5))
     elastic = ShakenCase(f"{name}, elastic", soft, "elastic", at, 3.0, pulse(0.2, 0.5), DAMPING)
@@ -167,13 +169,13 @@ def counted(motions: Sequence[TimeHistory]) -> Row:
 
 def steps(quick: bool) -> Iterator[Row]:
     """A step of 5 ms of every structure, contact behaviour and integrator; implicit Euler's of ever larger walls."""
-    record = read_record(template(TRIUMPHAL).folder / RECORD).resampled(STEP).windowed(4.0, 11.0)
+    record = read_record(runner.template(TRIUMPHAL).folder / RECORD).resampled(STEP).windowed(4.0, 11.0)
     length = 1.0 if quick else 7.0
     structures = [
-        ("2 blocks", block_on_base(0.6, 4.2, stiffness=1e6), 0.3, length),
-        ("buttressed arch", assembly(ARCH), 0.03, length),
-        ("wall 18 × 19", running_bond(18, 19, stiffness=1e7), 0.55, length),
-        ("triumphal arch", assembly(TRIUMPHAL), 0.2, SHORT),
+        ("2 blocks", runner.block_on_base(0.6, 4.2, stiffness=1e6), 0.3, length),
+        ("buttressed arch", runner.assembly(ARCH), 0.03, length),
+        ("wall 18 × 19", runner.running_bond(18, 19, stiffness=1e7), 0.55, length),
+        ("triumphal arch", runner.assembly(TRIUMPHAL), 0.2, SHORT),
     ]
 
     def strong(times: Array) -> Array:
@@ -193,7 +195,8 @@ def steps(quick: bool) -> Iterator[Row]:
     for contacts in INTEGRATORS:
         rows: list[Row] = []
         for columns, courses in QUICK_WALLS if quick else WALLS:
-            model, name = running_bond(columns, courses, stiffness=1e7), f"growth, wall {columns} × {courses}"
+            model = runner.running_bond(columns, courses, stiffness=1e7)
+            name = f"growth, wall {columns} × {courses}"
             motion = ShakenCase(name, model, contacts, None, SHORT, strong).scaled(0.55)
             rows += sized(motion, "implicit-euler")
             yield rows[-1]
@@ -205,7 +208,7 @@ def ensembles(quick: bool) -> Iterator[Row]:
     """Motions of many impacts: members within 1 % of amplitude by time step; first the resolved median, its bounds."""
     arch = shaken_arch("rigid", 0.12)
     name = "Ferris and Tin-Loi's wall 1, shaken, rigid"
-    wall = ShakenCase(name, running_bond(), "rigid", (5 * 0.4, 6 * 0.175), 3.0, shaking(0.5))
+    wall = ShakenCase(name, runner.running_bond(), "rigid", (5 * 0.4, 6 * 0.175), 3.0, shaking(0.5))
     few, many = (3, 9) if quick else (9, 45)
     for motion in (arch,) if quick else (arch, wall):
         yield from ensemble(motion, (STEP,) if quick else STEPS, few, (4.0 if quick else 1.0) * FINE, many)

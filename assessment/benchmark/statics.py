@@ -17,7 +17,6 @@ import numpy as np
 from assessment.analyses.governing import ENSEMBLE, shaken_corners
 from assessment.analyses.states import PAST_PEAK
 from assessment.benchmark import measure as runner
-from assessment.benchmark import structures
 from mechanics import Assembly, Pushdown, Pushover, limit_analysis, pushover
 from mechanics.model.assembly import Behaviour, Direction
 from mechanics.procedures.mirror import Mirror
@@ -35,7 +34,7 @@ def statics(quick: bool) -> Iterator[runner.Row]:
     """From one block to the triumphal arch; quick: without the latter, and fewer values."""
     cases = [
         rocking_rigid(),
-        limit("Ferris and Tin-Loi's wall 1", structures.running_bond()),
+        limit("Ferris and Tin-Loi's wall 1", runner.running_bond()),
         settling(ARCH, "rigid", FEWER if quick else INCREMENTS),
         pushing(ARCH, "rigid", FEWER if quick else INCREMENTS),
     ]
@@ -45,7 +44,7 @@ def statics(quick: bool) -> Iterator[runner.Row]:
             pushing(ARCH, "rigid", moved=True),
             settling(ARCH, "elastic"),
             *(beds(ARCH, way) for way in (None, "+x", "-x")),
-            limit("triumphal arch", structures.assembly(TRIUMPHAL)),
+            limit("triumphal arch", runner.assembly(TRIUMPHAL)),
             settling(TRIUMPHAL, "rigid", FEWER),
             pushing(TRIUMPHAL, "rigid", FEWER),
             pushing(TRIUMPHAL, "elastic", FEWER),
@@ -57,7 +56,7 @@ def statics(quick: bool) -> Iterator[runner.Row]:
 
 def rocking_rigid() -> runner.Case:
     """A rigid block: α = tan(arctan(B/H) − θ) at every point, zero at a displacement H sin(arctan(B/H))."""
-    model, slenderness = structures.block_on_base(), float(np.arctan(0.2))
+    model, slenderness = runner.block_on_base(), float(np.arctan(0.2))
 
     def measure(curve: Pushover) -> dict[str, float]:
         lean = np.array([-state.positions[1, 2] for state in curve.states])
@@ -87,7 +86,7 @@ def limit(name: str, model: Assembly) -> runner.Case:
 
 def settling(name: str, contacts: Behaviour, values: Sequence[float] = INCREMENTS) -> runner.Case:
     """Pushdown to collapse: the movement at which the structure falls, and the reaction of the moved support."""
-    movement = max(map(abs, structures.template(name).settlements[0].displacement_m))
+    movement = max(map(abs, runner.template(name).settlements[0].displacement_m))
 
     def measure(path: Pushdown) -> dict[str, float]:
         at = int(np.argmin(abs(path.movement - movement)))
@@ -95,7 +94,7 @@ def settling(name: str, contacts: Behaviour, values: Sequence[float] = INCREMENT
         return found if path.ultimate is None else {**found, "ultimate movement": path.ultimate}
 
     title = f"{name.replace('-', ' ')}, pushdown, {contacts}"
-    run = partial(structures.settled, name, contacts, to_collapse=True)
+    run = partial(runner.settled, name, contacts, to_collapse=True)
     return runner.Case(title, run, "increment", values, measure, reference=0.5 * values[-1])
 
 
@@ -103,10 +102,10 @@ def pushing(
     name: str, contacts: Behaviour, values: Sequence[float] = INCREMENTS, moved: bool = False
 ) -> runner.Case:
     """Pushover as drawn, or settled: rigid, where the multiplier comes down to zero; elastic, its peak."""
-    at_rest = cache(lambda: structures.settled(name, contacts).final)
+    at_rest = cache(lambda: runner.settled(name, contacts).final)
 
     def run(times: float) -> Pushover:
-        return structures.pushed(name, "+x", contacts, times, at_rest() if moved else None)
+        return runner.pushed(name, "+x", contacts, times, at_rest() if moved else None)
 
     title = f"{name.replace('-', ' ')}, {'settled, ' if moved else ''}pushover, {contacts}"
     measure = _peak if contacts == "elastic" else lambda curve: {"d_0": float(curve.displacement[-1])}
@@ -115,11 +114,11 @@ def pushing(
 
 def beds(name: str, moved: Direction | None = None) -> runner.Case:
     """The elastic peak of beds of points and of the exact one, as drawn towards +x or settled towards `moved`."""
-    at_rest = cache(lambda segments: structures.settled(name, "elastic", 1.0, segments).final)
+    at_rest = cache(lambda segments: runner.settled(name, "elastic", 1.0, segments).final)
 
     def run(number: float) -> Pushover:
         fine, segments = 0.25 if number == FINE else 1.0, None if np.isinf(number) else round(number)
-        return structures.pushed(
+        return runner.pushed(
             name, moved or "+x", "elastic", fine, at_rest(segments) if moved else None, segments
         )
 
@@ -130,18 +129,18 @@ def beds(name: str, moved: Direction | None = None) -> runner.Case:
 
 def sliding(quick: bool) -> Iterator[runner.Row]:
     """α_0 and where the curve ends over variants, by structure and law of sliding, then by increment."""
-    small = structures.running_bond(2, 5, 0.341, 0.15, 0.78, full_on_top=False)
+    small = runner.running_bond(2, 5, 0.341, 0.15, 0.78, full_on_top=False)
     x, z = map(float, small.blocks[-1].centroid)
     cases = [
         ("wall of 13 blocks", small, (x, z), 0.005),
-        ("Ferris and Tin-Loi's wall 1", structures.running_bond(), (5 * 0.4, 6 * 0.175), 0.005),
+        ("Ferris and Tin-Loi's wall 1", runner.running_bond(), (5 * 0.4, 6 * 0.175), 0.005),
     ]
     if not quick:  # wall 2 is inferred from its multiplier: tests/validation/test_masonry_wall.py
         cases.append(
-            ("Ferris and Tin-Loi's wall 2", structures.running_bond(5, 10), (5 * 0.4, 10 * 0.175), 0.005)
+            ("Ferris and Tin-Loi's wall 2", runner.running_bond(5, 10), (5 * 0.4, 10 * 0.175), 0.005)
         )
         cases += [
-            (name.replace("-", " "), structures.assembly(name), *structures.control(name))
+            (name.replace("-", " "), runner.assembly(name), *runner.control(name))
             for name in (ARCH, TRIUMPHAL)
         ]
     laws: tuple[Sliding, ...] = ("associative", "coulomb")
@@ -166,7 +165,7 @@ def ends(
     found, seconds = [], []
     for each, factor, length, (x, z), weight in tried:
         point = (length * at[0] + x, length * at[1] + z)
-        step, moved = length * factor * increment, structures.in_frame(each, length, (x, z), weight)
+        step, moved = length * factor * increment, runner.in_frame(each, length, (x, z), weight)
         try:
             taken, curve = runner.seconds_of(
                 partial(pushover, moved, point, "+x", "rigid", step, sliding=law)
@@ -191,7 +190,7 @@ def chain(quick: bool) -> Iterator[runner.Row]:
     for name in ("buttressed-arch",) if quick else ("buttressed-arch", "triumphal-arch"):
         yield from analyses(name)
         with TemporaryDirectory() as out:
-            arguments = ("run", str(structures.template(name).folder), "--out", out)
+            arguments = ("run", str(runner.template(name).folder), "--out", out)
             statics = (*arguments, "--only", "pushdown,pushover", "--no-report", "--fresh")
             yield command(f"assesto run, {name.replace('-', ' ')}, statics", *statics)
             if not quick:
@@ -204,7 +203,7 @@ def analyses(name: str) -> Iterator[runner.Row]:
     """Every analysis of a template on one processor; last, of all together."""
     rows: list[runner.Row] = []
     for contacts in CONTACTS:
-        mirror, paths = Mirror.of(structures.assembly(name), contacts), dict[str, Any]()
+        mirror, paths = Mirror.of(runner.assembly(name), contacts), dict[str, Any]()
         for title, way in [("pushdown", None), *product(("original", "settled"), WAYS)]:
             if title == "settled" and "pushdown" not in paths:
                 continue
@@ -228,14 +227,12 @@ def _path(
 ) -> Any:  # fmt: skip
     """The movement of a template, or its curve as drawn or settled; as drawn towards −x by reflection if exact."""
     if way is None:
-        return structures.settled(name, contacts)
+        return runner.settled(name, contacts)
     other = paths.get("original, pushover +x") if way == "-x" and title == "original" else None
     if mirror and other and (image := mirror.pushover(other)):
         return image
     state = paths["pushdown"].final if title == "settled" else None
-    return structures.pushed(
-        name, way, contacts, 1.0, state, None, PAST_PEAK if contacts == "elastic" else 0.0
-    )
+    return runner.pushed(name, way, contacts, 1.0, state, None, PAST_PEAK if contacts == "elastic" else 0.0)
 
 
 def command(case: str, *arguments: str) -> runner.Row:
@@ -269,8 +266,8 @@ def apart(columns: int, courses: int) -> runner.Row:
 
 def measured(columns: int, courses: int) -> runner.Row:
     """Times (s) of building a wall and of its limit analysis; memory (MB), α_0, residual, error against HiGHS."""
-    limit_analysis(structures.running_bond(8, 8), sliding="associative")  # what is imported and compiled once
-    building, model = runner.seconds_of(lambda: structures.running_bond(columns, courses))
+    limit_analysis(runner.running_bond(8, 8), sliding="associative")  # what is imported and compiled once
+    building, model = runner.seconds_of(lambda: runner.running_bond(columns, courses))
     seconds, found = runner.seconds_of(lambda: limit_analysis(model, sliding="associative"))
     blocks, memory, program = int(model.movable.sum()), runner.peak_memory(), runner.pushed_program(model)
     baseline = runner.seconds_of(runner.piqp(program))[0]

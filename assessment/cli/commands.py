@@ -10,7 +10,7 @@ import os
 from functools import partial
 from typing import TYPE_CHECKING
 
-from assessment.project.catalogue import ARCHES, WALLS
+from assessment.project.catalogue import NAMES
 from assessment.runtime.console import say, tell, unwritten
 from assessment.runtime.errors import DONE, INCOMPLETE, WRONG_INPUT, error_text
 
@@ -72,8 +72,7 @@ def check(options: argparse.Namespace) -> int:
     from assessment.project.motions import described
     from assessment.project.project import load_project
     from assessment.report.chapters.judgement import model_summary, refuse_unreadable
-    from assessment.report.figures.drawing import draw_faults, draw_model
-    from assessment.report.figures.style import save_svg
+    from assessment.report.figures.drawing import draw_faults, draw_model, save_svg
     from assessment.report.language import Words
     from assessment.workflow.checking import checked, expected_line
     from mechanics.errors import FaultyDrawingError
@@ -135,7 +134,7 @@ def new(options: argparse.Namespace) -> int:
     if options.template is not None:
         options.template = "-".join(options.template.lower().replace("_", " ").split())
     if options.list:
-        for name in [options.template] if options.template else (*WALLS, *ARCHES):
+        for name in [options.template] if options.template else NAMES:
             say(f"{name}:")
             for option, (default, unit, description) in catalogue.template_options(name).items():
                 say(f"  {option:18} {default:>8g} {unit:6} {description}")

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from assessment.cli import commands
 from assessment.cli.commands import EXIT_CODES, incomplete, tell_error
-from assessment.project.catalogue import ARCHES, WALLS
+from assessment.project.catalogue import NAMES
 from assessment.runtime.console import collect_rarely, interrupted, leave, prepare, say, tell, watch
 from assessment.runtime.errors import INCOMPLETE, WRONG_INPUT, is_input_error, nearest
 from assessment.runtime.progress import BusyError, record_exit
@@ -185,7 +185,7 @@ COMMANDS = {
         ),
         (
             ("folder", {"type": _folder, "metavar": "DIR", "nargs": "?", "help": "the folder to make"}),
-            ("--template", {"metavar": "NAME", "help": ", ".join((*WALLS, *ARCHES))}),
+            ("--template", {"metavar": "NAME", "help": ", ".join(NAMES)}),
             ("--example", {"metavar": "NAME", "help": "an example project; see --list"}),
             ("--set", {
                 "action": "append", "default": [], "metavar": "KEY=NUMBER", "help": "a dimension; see --list",

@@ -1,22 +1,269 @@
-"""Capacity of a mechanism: participation e*, Γ* and the capacity curve a*(d*).
+"""Capacity of a mechanism: idealised pushover curves, participation e*, Γ*, the capacity curve a*(d*).
 
-Circolare 7/2019, C8.7.1.2; Portioli et al., §7.1.
+The rigid branch with, or without, an elastic branch before it: Portioli et al., §7.1 (trilinear); NTC 2018, C7.3.4.2
+(equal area); Circolare 7/2019, C8.7.1.2.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from math import pi, sqrt
 from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from assessment.ntc.curve_fit import CapacityError, CurveFit
 from assessment.ntc.tables import CONFIDENCE_FACTOR, Trace, datum, step, worked
+from assessment.results.schema.model import Line
 from mechanics import Assembly
 from mechanics.errors import is_between, require
-from mechanics.messages import message
+from mechanics.messages import Message, SaidError, message
 from mechanics.types import GRAVITY, Array
+
+SWAY = 0.01  # of the displacement at the peak: as hinges of a settled state close, the control point may sway back
+DROP = 1e-8  # of d_0: a last piece of the rigid branch that is shorter is vertical
+SECANT_SHARE = 0.4  # of α_u: where the secant stiffness is taken
+YIELD_SHARE = 0.9  # of α_u: plateau of the trilinear curve
+_PAPER = "Portioli et al., §7.1"
+
+
+class CapacityError(SaidError, ValueError):
+    """The pushover curves do not define a capacity; the message names it and the reason."""
+
+
+Curve = tuple[ArrayLike, ArrayLike]
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """How far the blocks that move have gone for the displacements (k,) m of the control point.
+
+    `equivalent` (k,) m: d*/Γ*, the displacement of the control point of a mechanism that goes on as it begins. What a
+    control point near a hinge tells of itself, or one that other blocks slide past, is no measure of these.
+    """
+
+    control: Array
+    equivalent: Array
+
+    def blocks(self, displacement: ArrayLike) -> Array:
+        """Return d*/Γ* (m) for displacements of the control point (m)."""
+        return _carried_on(displacement, self.control, self.equivalent)
+
+    def control_point(self, equivalent: ArrayLike) -> Array:
+        """Return the displacements of the control point (m) for d*/Γ* (m)."""
+        return _carried_on(equivalent, self.equivalent, self.control)
+
+    def curve(self, elastic: Curve) -> Curve:
+        """Return an elastic curve over d*/Γ*."""
+        return self.blocks(elastic[0]), elastic[1]
+
+
+def _carried_on(value: ArrayLike, at: Array, found: Array) -> Array:
+    """Interpolate between points; below the first one a value stays, beyond the last one it is in proportion."""
+    x, at = np.asarray(value, dtype=float), np.maximum.accumulate(at)
+    beyond = x * found[-1] / at[-1] if at[-1] > 0.0 else x
+    return np.where(x <= at[0], x, np.where(x > at[-1], beyond, np.interp(x, at, found)))
+
+
+@dataclass(frozen=True, eq=False)
+class CurveFit:
+    """An idealised pushover curve: multiplier (k,) over the displacement (k,) of the control point, m.
+
+    model: "trilinear", "bilinear" or "none" (rigid branch alone). alpha_0: multiplier at the onset of the
+    rigid mechanism; d_0: where the rigid branch reaches 0 (None: not reached); alpha_u: peak of the elastic
+    curve; (d_y, alpha_y): end of the elastic branch. The elastic values are None for model "none". `steps`:
+    how they were found; `source`: where alpha_0 and d_0 come from; elastic_end: where the structure
+    with elastic contacts has no equilibrium any more (m of the control point), None where its curve was not followed
+    that far; way: where displacement and d_0 are those of the blocks, not of the control point.
+    """
+
+    model: str
+    alpha_0: float
+    d_0: float | None
+    alpha_u: float | None
+    alpha_y: float | None
+    d_y: float | None
+    displacement: Array
+    multiplier: Array
+    notes: tuple[Message, ...] = ()
+    steps: Trace = ()
+    source: str = "pushover, rigid contacts"
+    elastic_end: float | None = None
+    way: Way | None = None
+
+    @property
+    def drops(self) -> bool:
+        """Whether the rigid branch ends at d_0 with a vertical drop: equilibrium is lost before α = 0."""
+        if self.d_0 is None or len(self.displacement) < 2:
+            return False
+        return float(np.diff(self.displacement)[-1]) <= DROP * self.d_0 and float(self.multiplier[-2]) > 0.0
+
+
+def fit_rigid(rigid: Curve) -> CurveFit:
+    """Return the rigid branch alone (displacement (k,) m, multiplier (k,)), cut where it reaches 0."""
+    d, alpha, d_0 = _rigid_branch(rigid)
+    return CurveFit("none", float(alpha[0]), d_0, None, None, None, d, alpha)
+
+
+def yield_point(elastic: Curve) -> tuple[float, float]:
+    """Return (d_y m, α_y) of the paper's curve (§7.1): 0.9 α_u on the secant at 0.4 α_u, if no rigid branch cuts it."""
+    secant, alpha_u, _ = _rising_branch(elastic)
+    return YIELD_SHARE / SECANT_SHARE * secant, YIELD_SHARE * alpha_u
+
+
+def fit_curve(model: str, rigid: Curve, elastic: Curve | None = None) -> CurveFit:
+    """Return the curve of the project's `model` from curves (displacement (k,) m, multiplier (k,)).
+
+    "none": the rigid branch alone. "trilinear" (§7.1 of the paper): secant at 0.4 α_u, plateau 0.9 α_u, rigid branch to
+    d_0. "bilinear": the plateau α_y ≤ α_u gives the curve the area that the elastic one has up to its meeting with the
+    rigid branch (NTC 2018, C7.3.4.2, carried over to mechanisms [k]). No fit lies above the rigid branch: where the
+    secant meets it below the plateau, that point is (d_y, α_y), with a note. Raises CapacityError without an elastic
+    curve, for α0 ≤ 0, or where the elastic curve does not rise with the control point; ArgumentError for the model.
+    """
+    require(model in {"trilinear", "bilinear", "none"}, "model", model, "trilinear, bilinear or none")
+    if model == "none":
+        return fit_rigid(rigid)
+    d, alpha, d_0 = _rigid_branch(rigid)
+    secant, alpha_u, (d_e, alpha_e) = _rising_branch(elastic)
+    found = partial(_idealised, model, (d, alpha, d_0), secant, alpha_u)
+    if model == "trilinear":
+        return found(YIELD_SHARE * alpha_u)
+    grid = np.union1d(np.union1d(d, d_e[d_e < d[-1]]), np.linspace(0.0, d[-1], 2001))
+    branch = np.interp(grid, d, alpha)
+    target = float(np.trapezoid(np.minimum(np.interp(grid, d_e, alpha_e), branch), grid))
+
+    def excess(alpha_y: float) -> float:
+        fit = found(alpha_y, target)
+        return float(np.trapezoid(fit.multiplier, fit.displacement) - target)
+
+    if excess(alpha_u) <= 0.0:
+        return found(alpha_u, None, message("no plateau below α_u has the area of the curve: α_y = α_u"))
+    from scipy.optimize import brentq  # late: few fits need it, and it takes long to import
+
+    return found(float(brentq(excess, 1e-9 * alpha_u, alpha_u, xtol=1e-14)), target)
+
+
+def _branch(curve: Curve, name: str) -> tuple[Array, Array]:
+    d, alpha = (np.array(values, dtype=float) for values in curve)
+    same = d.ndim == 1 and d.shape == alpha.shape and d.size >= 2
+    require(same, name, (d.shape, alpha.shape), "displacement (k,) and multiplier (k,), two points or more")
+    require(bool(np.isfinite(d).all() and np.isfinite(alpha).all()), name, "not finite", "finite numbers")
+    return d, alpha
+
+
+def _rigid_branch(rigid: Curve) -> tuple[Array, Array, float | None]:
+    """Return the rigid curve up to α = 0 and its d_0 (None where α stays positive)."""
+    d, alpha = _branch(rigid, "rigid curve")
+    require(bool((np.diff(d) > 0.0).all()), "rigid curve", "displacement", "growing from point to point")
+    if alpha[0] <= 0.0:
+        none = message("alpha_0 = {alpha:.6g}: the rigid mechanism needs no horizontal load: no seismic capacity",
+                       alpha=float(alpha[0]))  # fmt: skip
+        raise CapacityError(none)
+    if (d_0 := _crossing(d, alpha)) is None:
+        return d, alpha, None
+    k = int(np.argmax(alpha <= 0.0))
+    return np.append(d[:k], d_0), np.append(alpha[:k], 0.0), d_0
+
+
+def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Array]]:
+    """Return where the curve reaches 0.4 α_u (m), α_u, and the curve up to where its displacement turns back."""
+    if elastic is None:
+        missing = message('no elastic pushover curve: ask for contacts = ["rigid", "elastic"] and give '
+                          'normal_stiffness_kN_m3, or set model = "none" (rigid branch alone)')  # fmt: skip
+        raise CapacityError(missing)
+    d, alpha = _branch(elastic, "elastic curve")
+    d, alpha = np.insert(d, 0, 0.0), np.insert(alpha, 0, 0.0)
+    peak = int(np.argmax(alpha))
+    alpha_u = float(alpha[peak])
+    if alpha_u <= 0.0:
+        raise CapacityError(
+            message("elastic curve: its peak alpha_u = {alpha:.6g} must be positive", alpha=alpha_u)
+        )
+    above = int(np.argmax(alpha >= SECANT_SHARE * alpha_u))
+    share = (SECANT_SHARE * alpha_u - alpha[above - 1]) / (alpha[above] - alpha[above - 1])
+    d_secant = float(d[above - 1] + share * (d[above] - d[above - 1]))
+    grows = alpha[: peak + 1] >= np.maximum.accumulate(alpha[: peak + 1])  # not where a part snaps through
+    if d_secant <= 0.0 or (np.maximum.accumulate(d) - d)[: peak + 1][grows].max() > SWAY * d[peak]:
+        raise CapacityError(
+            message("elastic curve: the control point does not advance as the load grows; choose another one")
+        )
+    turned = np.flatnonzero(np.maximum.accumulate(d[peak:]) - d[peak:] > 1e-9 * np.abs(d).max())
+    end = peak + int(turned[0]) if turned.size else d.size
+    return d_secant, alpha_u, (np.maximum.accumulate(d[:end]), alpha[:end])
+
+
+def _idealised(
+    model: str, rigid: tuple[Array, Array, float | None], secant: float, alpha_u: float, alpha_y: float,
+    area: float | None = None, *notes: Message,
+) -> CurveFit:  # fmt: skip
+    """Return min(secant stiffness times d, α_y, rigid branch) as a piecewise-linear curve.
+
+    secant: displacement at 0.4 α_u, m; area: of the curve from which α_y was found, m, None for a share of α_u. Where
+    the elastic branch meets the rigid one below the plateau, there is none.
+    """
+    d, alpha, d_0 = rigid
+    K = SECANT_SHARE * alpha_u / secant
+    d_y, meets, cut = alpha_y / K, _crossing(d, alpha - K * d), False
+    if alpha_u > alpha[0]:
+        above = message("elastic peak α_u = {peak:.4g} above the rigid onset α0 = {onset:.4g}: the fit is cut",
+                        peak=alpha_u, onset=float(alpha[0]))  # fmt: skip
+        notes += (above,)
+    if meets is None:
+        raise CapacityError(
+            message("the elastic branch does not meet the rigid branch: follow the rigid pushover further")
+        )
+    if meets < d_y:
+        d_y, alpha_y, end, cut = meets, float(K * meets), meets, True
+        none = message("the secant meets the rigid branch at α = {alpha:.4g}, below the plateau: no plateau",
+                       alpha=alpha_y)  # fmt: skip
+        notes += (none,)
+    else:
+        below = d >= d_y
+        tail = np.concatenate([[np.interp(d_y, d, alpha)], alpha[below]]) - alpha_y
+        found = _crossing(np.concatenate([[d_y], d[below]]), tail)
+        d_y, alpha_y, end = float(d_y), float(alpha_y), float(d[-1]) if found is None else found
+        if found is None:
+            notes += (message("the plateau does not meet the rigid branch within the curve"),)
+    knots = [(0.0, 0.0), (d_y, alpha_y)] + ([(end, alpha_y)] if end > d_y else [])
+    displacement = np.concatenate([[knot[0] for knot in knots], d[d > end]])
+    multiplier = np.concatenate([[knot[1] for knot in knots], np.minimum(alpha[d > end], alpha_y)])
+    steps: list[Line] = [
+        datum("alpha_u", alpha_u, "", "pushover, elastic contacts: peak"),
+        datum("d_40", secant, "m", f"pushover, elastic contacts: at {SECANT_SHARE:g} α_u"),
+        step("K", f"{SECANT_SHARE:g}*alpha_u/d_40", K, "1/m", _PAPER),
+    ]
+    if cut:
+        steps += [
+            datum("d_y", d_y, "m", "where the secant meets the rigid branch"),
+            step("alpha_y", "K*d_y", alpha_y, "", _PAPER),
+        ]
+    elif area is None:
+        steps.append(step("alpha_y", f"{alpha_y / alpha_u:g}*alpha_u", alpha_y, "", _PAPER))
+    else:
+        equal = "2*(A - A_m)/(d_m + sqrt(d_m**2 - 2*(A - A_m)/K))"
+        beyond = float(np.trapezoid(multiplier[displacement >= end], displacement[displacement >= end]))
+        steps += [
+            datum("A", area, "m", "area of the elastic curve, up to the rigid branch"),
+            datum("d_m", end, "m", "where the plateau meets the rigid branch"),
+            datum("A_m", beyond, "m", "area of the rigid branch beyond d_m"),
+            step("alpha_y", equal, alpha_y, "", "equal area: NTC 2018, C7.3.4.2"),
+        ]
+    if not cut:
+        steps.append(step("d_y", "alpha_y/K", d_y, "m", _PAPER))
+    return CurveFit(
+        model, float(alpha[0]), d_0, alpha_u, alpha_y, d_y, displacement, multiplier, notes, worked(*steps)
+    )
+
+
+def _crossing(d: Array, value: Array) -> float | None:
+    """Return the first d where the piecewise-linear value falls to 0; None where it stays positive."""
+    down = np.flatnonzero(value <= 0.0)
+    if not down.size:
+        return None
+    k = int(down[0])
+    if k == 0:
+        return float(d[0])
+    return float(d[k - 1] + (d[k] - d[k - 1]) * value[k - 1] / (value[k - 1] - value[k]))
+
 
 _LAW = "Circolare 7/2019, C8.7.1.2"
 AGAINST = 0.1  # of ΣP|δ|: the most that may move against the rest; e* tends to zero, Γ* and a* to infinity at a half

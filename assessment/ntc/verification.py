@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from assessment.ntc.capacity_curve import CapacityCurve
-from assessment.ntc.curve_fit import CapacityError
+from assessment.ntc.capacity_curve import CapacityCurve, CapacityError
 from assessment.ntc.floor_spectrum import Demand, Spectrum, spectrum_at_return_period
 from assessment.ntc.hazard import HazardCurve, capacity_return_period, stated
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum

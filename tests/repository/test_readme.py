@@ -10,7 +10,7 @@ from assessment.analyses.found import MOST_HALVINGS, PRESETS
 from assessment.benchmark.command import BENCHMARKS
 from assessment.cli import commands
 from assessment.cli import main as arguments
-from assessment.project.catalogue import ARCHES, WALLS
+from assessment.project.catalogue import NAMES
 from assessment.project.schema import MotionTable
 from assessment.report.printing import APT_COMMAND, COMMANDS
 from tests import ROOT
@@ -53,7 +53,7 @@ def test_the_commands_and_the_options_that_are_named_exist():
 
 def test_the_templates_and_benchmarks_that_are_named_exist():
     new, *_ = [cells[1] for cells in rows("command | does", RUN) if cells[0].startswith("`assesto new")]
-    assert re.findall(r"`([a-z-]+)`", new)[:12] == [*WALLS, *ARCHES]
+    assert re.findall(r"`([a-z-]+)`", new)[:12] == [*NAMES]
 
 
 def test_what_installs_pango_is_what_the_warning_says():

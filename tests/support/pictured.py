@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from assessment.report.document import render_html
+from assessment.report.figures.drawing import save_svg
 from assessment.report.figures.index import pictures
-from assessment.report.figures.style import save_svg
 from assessment.report.language import LANGUAGES, Words
 from assessment.results.schema import Results
 

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from assessment.analyses.capacity import checks_of, curve_of
-from assessment.ntc.capacity_curve import capacity_curve
-from assessment.ntc.curve_fit import CurveFit, fit_curve
+from assessment.ntc.capacity_curve import CurveFit, capacity_curve, fit_curve
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import verify
 from assessment.results.schema import FORMAT, Results

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from assessment.benchmark.structures import block_on_base, in_frame, rectangle, running_bond
+from assessment.benchmark.measure import block_on_base, in_frame, rectangle, running_bond
 from mechanics import Assembly, Block, Material, Tie
 
 __all__ = [

@@ -25,8 +25,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from assessment.ntc.capacity_curve import capacity_curve
-from assessment.ntc.curve_fit import CurveFit
+from assessment.ntc.capacity_curve import CurveFit, capacity_curve
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method, verify
 

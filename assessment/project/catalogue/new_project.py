@@ -9,7 +9,7 @@ from itertools import cycle
 from pathlib import Path
 from typing import Any, NamedTuple, get_args, get_type_hints
 
-from assessment.project.catalogue import ARCHES, WALLS, arches, walls
+from assessment.project.catalogue import NAMES, templates
 from assessment.project.catalogue.geometry import DRAWING, Layout, Made
 from assessment.project.project import CONTROL, TOML, convert, load_project, source_bytes
 from assessment.runtime.errors import ProjectError, nearest
@@ -21,7 +21,7 @@ UNITS = {"_kN_m3": "kN/m³", "_kN": "kN", "_deg": "°", "_m": "m"}  # by the end
 LARGEST = {NUMBER: 100, "m": 1e3, "kN": 1e6, "kN/m³": 1e3, "°": 89.0}
 LEAST = 1e-3  # m, of a dimension that is not 0 by default
 TEMPLATES: dict[str, Callable[..., Made]] = {
-    name: getattr(walls if name in WALLS else arches, name.replace("-", "_")) for name in (*WALLS, *ARCHES)
+    name: getattr(templates, name.replace("-", "_")) for name in NAMES
 }
 
 

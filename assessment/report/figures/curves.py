@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from assessment.report.figures.style import COLOURS, DASHES, OVER_LINES, chart, key, legend, state_style
+from assessment.report.figures.drawing import COLOURS, DASHES, OVER_LINES, chart, key, legend, state_style
 from assessment.report.language import Words, direction_name, label, scale
 from assessment.report.tables.mechanisms import alpha_at_d_0, elastic_capacity
 from assessment.report.tables.studies import ROUNDING, bars

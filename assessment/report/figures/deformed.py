@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from assessment.report.figures import drawing as parts
-from assessment.report.figures.style import Panels, key, sheet
+from assessment.report.figures.drawing import Panels, key, sheet
 from assessment.report.language import Words
 from assessment.report.tables.mechanisms import alpha_at_d_0
 from assessment.report.tables.structure import cracks_of, surveyed

@@ -14,8 +14,7 @@ from matplotlib.figure import Figure
 
 from assessment.report.figures import curves, deformed, motions
 from assessment.report.figures.curves import draw_scenarios, draw_tornado, varied
-from assessment.report.figures.drawing import draw_model
-from assessment.report.figures.style import save_png, save_svg
+from assessment.report.figures.drawing import draw_model, save_png, save_svg
 from assessment.report.language import slug, words_of
 from assessment.report.tables import capacities
 from assessment.report.tables.dynamic import shaken

@@ -10,8 +10,18 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from assessment.report.figures.drawing import draw_ties, ghost_handle, tie_handles
-from assessment.report.figures.style import DASHES, chart, comma_ticks, key, legend, sheet, state_style
+from assessment.report.figures.drawing import (
+    DASHES,
+    chart,
+    comma_ticks,
+    draw_ties,
+    ghost_handle,
+    key,
+    legend,
+    sheet,
+    state_style,
+    tie_handles,
+)
 from assessment.report.language import COARSE, Words, label, scale
 from assessment.report.tables.dynamic import Shaken
 from assessment.results.frames import tie_ends

@@ -20,8 +20,7 @@ import pytest
 from assessment.analyses import capacity
 from assessment.analyses.capacity import CONTRADICTION, _elastic_end, assess, nominal_check, told
 from assessment.analyses.demand import Demands
-from assessment.ntc.capacity_curve import capacity_curve
-from assessment.ntc.curve_fit import fit_rigid
+from assessment.ntc.capacity_curve import capacity_curve, fit_rigid
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method, verify
 from assessment.project.catalogue.geometry import rectangle

@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 from assessment.analyses.chosen_mechanism import FollowedPoint, MechanismError, compared, evaluate
 from assessment.analyses.kinematics import Hinge, KinematicsError, _unhindered, finite_motion
 from assessment.cli.main import main
-from assessment.ntc.capacity_curve import mechanism_participation
-from assessment.ntc.curve_fit import CapacityError
+from assessment.ntc.capacity_curve import CapacityError, mechanism_participation
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method
 from assessment.project.masonry import Chosen, RotatingBlocks

@@ -7,8 +7,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.ntc.capacity_curve import capacity_curve, mass_share, mechanism_participation, participation
-from assessment.ntc.curve_fit import CapacityError, fit_curve, fit_rigid, yield_point
+from assessment.ntc.capacity_curve import (
+    CapacityError,
+    capacity_curve,
+    fit_curve,
+    fit_rigid,
+    mass_share,
+    mechanism_participation,
+    participation,
+    yield_point,
+)
 from mechanics import Material
 from mechanics.types import GRAVITY
 from tests.support.structures import column

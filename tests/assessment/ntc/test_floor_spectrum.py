@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from assessment.ntc.capacity_curve import capacity_curve
-from assessment.ntc.curve_fit import fit_curve, fit_rigid
+from assessment.ntc.capacity_curve import capacity_curve, fit_curve, fit_rigid
 from assessment.ntc.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method, verify

@@ -6,8 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from assessment.ntc.capacity_curve import Activation, capacity_curve, participation
-from assessment.ntc.curve_fit import CurveFit, Way, fit_curve, fit_rigid
+from assessment.ntc.capacity_curve import (
+    Activation,
+    CurveFit,
+    Way,
+    capacity_curve,
+    fit_curve,
+    fit_rigid,
+    participation,
+)
 from assessment.ntc.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
 from assessment.ntc.hazard import HazardCurve, return_period_steps, site_curve
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum

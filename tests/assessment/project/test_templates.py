@@ -9,7 +9,7 @@ from shapely.ops import unary_union
 
 from assessment.analyses.kinematics import virtual_work
 from assessment.cli.main import main
-from assessment.project.catalogue import walls
+from assessment.project.catalogue import templates
 from assessment.project.catalogue.new_project import TEMPLATES, made, new_project
 from assessment.project.masonry import chosen_mechanisms
 from assessment.project.model import build_model
@@ -192,7 +192,7 @@ def test_dimensions_that_give_no_structure_are_refused_before_anything_is_writte
     tmp_path, capsys, monkeypatch
 ):
     def overlapping(width_m: Annotated[float, "width"] = 1.0):
-        layout, content = walls.block(width_m, 1.0)
+        layout, content = templates.block(width_m, 1.0)
         return layout | {"BLOCCO": 2 * layout["BLOCCO"]}, content
 
     monkeypatch.setitem(TEMPLATES, "block", overlapping)

@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from assessment.report.document import FACES
-from assessment.report.figures.style import save_svg
+from assessment.report.figures.drawing import save_svg
 from assessment.report.printing import FAMILY, faces, file, printable
 
 PRINT = "import sys, weasyprint; weasyprint.HTML(sys.argv[1]).write_pdf(sys.argv[2])"

@@ -9,8 +9,8 @@ from PIL import Image
 
 from assessment.report.document import render_html, write_page
 from assessment.report.figures import index as figures
+from assessment.report.figures.drawing import PNG_DPI
 from assessment.report.figures.index import write_figures, write_images
-from assessment.report.figures.style import PNG_DPI
 from assessment.report.language import cell, slug, words_of
 from assessment.report.tables.mechanisms import balance, hand_check, reactions
 from assessment.results.hand_check import governing_view, macro_blocks, virtual_work_table

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 import mechanics
 from assessment.analyses import capacity
 from assessment.cli.main import main
-from assessment.ntc.curve_fit import CapacityError
+from assessment.ntc.capacity_curve import CapacityError
 from assessment.project.catalogue.new_project import write_drawing
 from assessment.results.schema.dynamic import Course
 from assessment.workflow import run as output

@@ -7,7 +7,7 @@ import pytest
 
 from assessment.analyses.capacity import activation_of
 from assessment.analyses.lateral import PushSetting, push
-from assessment.benchmark.structures import assembly, rectangle, template
+from assessment.benchmark.measure import assembly, rectangle, template
 from assessment.ntc.capacity_curve import participation
 from assessment.project.schema import ControlTable
 from assessment.report.figures.deformed import found_mechanism

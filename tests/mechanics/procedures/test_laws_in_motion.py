@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from assessment.analyses.time_history import Setting, Shaking, respond
-from assessment.benchmark.structures import assembly
+from assessment.benchmark.measure import assembly
 from assessment.project.model import build_model
 from assessment.project.motions import history_motions
 from assessment.project.project import load_project

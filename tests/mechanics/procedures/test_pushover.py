@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from assessment.benchmark.structures import assembly, template
+from assessment.benchmark.measure import assembly, template
 from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover
 from mechanics.procedures import Mirror, farthest_corner, limit_in, static_theorem
 from mechanics.procedures.peaks import may_peak

@@ -12,7 +12,7 @@ from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.figures.curves import ELASTIC, draw_pushdown, draw_spectra
 from assessment.report.figures.deformed import draw_settlement, round_force
-from assessment.report.figures.style import MM, SCALES, sheet, typeset
+from assessment.report.figures.drawing import MM, SCALES, sheet, typeset
 from assessment.report.language import words_of
 from assessment.report.tables.mechanisms import elastic_capacity
 from assessment.results.joint_states import outlines
