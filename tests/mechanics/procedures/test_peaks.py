@@ -56,9 +56,13 @@ def test_the_least_dilation_that_has_a_flow_decides():
     assert curve.alpha_0 == pytest.approx(0.475, abs=2e-3)
 
 
-@pytest.mark.parametrize(("dilation", "placed"), [(0.0, [0.3] * 6), (1.0, [])])
-def test_limit_analysis_replaces_a_peak_of_another_flow(monkeypatch, dilation, placed):
-    """Points looked at have the multiplier of their state, those between go; so do all where only lifting has one."""
+@pytest.mark.parametrize(
+    ("dilation", "shear", "placed"), [(0.0, 0.0, [0.3] * 6), (1.0, 0.0, []), (0.0, 2.0, [])]
+)
+def test_limit_analysis_replaces_a_peak_of_another_flow(monkeypatch, dilation, shear, placed):
+    """Points looked at have the multiplier of their state, those between go; so do all where only lifting has one, or
+    forces that depart from the model.
+    """
     told = (0.4, 0.61, 0.62, 0.63, 0.62, 0.61, 0.61, 0.6, 0.5, 0.3)
     model = block_on_base()
     push = PushInput(np.array([0.0, 1.0]), "+x", 0.01, 0.0, PUSHOVER)
@@ -67,6 +71,7 @@ def test_limit_analysis_replaces_a_peak_of_another_flow(monkeypatch, dilation, p
         PushPoint(replace(path.points[0].step, alpha=alpha), 0.01 * k, k == 6) for k, alpha in enumerate(told)
     ]
     of_state = limit_analysis(model, "+x")
+    of_state = replace(of_state, forces=of_state.forces + shear * model.weight * np.eye(3)[2])
 
     def limit_at(own, point, model):
         other = 0.6 <= own.multiplier[point] < 0.7

@@ -1,6 +1,7 @@
 """Rest: of settled structures as a motion begins there, of elastic ones however stiff, and never an unstable one."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from mechanics import (
     pushover,
     time_history,
 )
-from mechanics.errors import RunawayError
+from mechanics.errors import RunawayError, UnsettledError
 from mechanics.kernels.joint import H
 from mechanics.steps import geometry_iteration
 from mechanics.steps import rest as module
@@ -24,7 +25,8 @@ from mechanics.steps.equilibrium import rest, rest_size
 from mechanics.steps.rest import lifted, motion_to_rest, way
 from mechanics.steps.static_step import StepProblem
 from mechanics.steps.static_system import static_system
-from mechanics.steps.tolerances import REST
+from mechanics.steps.tolerances import REST, STEP
+from mechanics.types import GRAVITY
 from tests.support.structures import arch_on_piers, block_on_base, column, rectangle, running_bond
 
 SETTLED = {"support": "base", "rotation": 0.03, "increment": 0.01}
@@ -137,11 +139,14 @@ def test_a_motion_without_inertia_left_is_not_repeated(monkeypatch):
     assert len(steps) < 60
 
 
-def test_what_does_not_move_at_all_is_at_rest(monkeypatch):
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+@pytest.mark.parametrize(("share", "rests"), [(0.9, True), (1.1, False)])
+def test_what_does_not_move_at_all_is_at_rest(monkeypatch, contacts, share, rests):
     """Where forces and geometry do not agree to the last digit, but the blocks stay where they are released."""
-    problem = raised(block_on_base(0.6, 4.2, stiffness=1e6), 0.0)
-    rested = rest(static_system(problem.system.model, "elastic"), problem.system.model.initial)
-    step = module._step_from_rest
+    model = block_on_base(0.6, 4.2, stiffness=1e6)
+    rested = rest(static_system(model, contacts), model.initial)
+    problem = StepProblem(rested.system, rested.state, model.dead_load, rest_size(model, contacts))
+    step, close = module._step_from_rest, replace(rested.certificate, equilibrium=share * STEP.slow)
 
     def undecided(*_):
         raise ConvergenceError("undecided")
@@ -152,8 +157,26 @@ def test_what_does_not_move_at_all_is_at_rest(monkeypatch):
 
     monkeypatch.setattr(module, "_step_from_rest", stays)
     monkeypatch.setattr(module, "find_equilibrium", undecided)
-    monkeypatch.setattr(module, "certified", lambda *_: rested)
-    assert motion_to_rest(problem, problem.start.positions).certificate == rested.certificate
+    monkeypatch.setattr(module, "certified", lambda *_: replace(rested, certificate=close))
+    if rests:
+        assert motion_to_rest(problem, problem.start.positions).certificate == close
+    else:
+        with pytest.raises(ConvergenceError, match="does not come to rest"):
+            motion_to_rest(problem, problem.start.positions)
+
+
+@pytest.mark.parametrize(("share", "found"), [(0.9, True), (1.1, False)])
+def test_rigid_joints_whose_forces_and_geometry_nearly_agree_are_at_rest(monkeypatch, share, found):
+    model = block_on_base(0.6, 4.2)
+    rested = rest(static_system(model, "rigid"), model.initial)
+    close = replace(rested, certificate=replace(rested.certificate, equilibrium=share * STEP.slow))
+    problem = StepProblem(rested.system, rested.state, model.dead_load, rest_size(model, "rigid"))
+    monkeypatch.setattr(geometry_iteration, "certified", lambda *_: close)
+    if found:
+        assert geometry_iteration.find_equilibrium(problem, rested.state.positions) is close
+    else:
+        with pytest.raises(UnsettledError):
+            geometry_iteration.find_equilibrium(problem, rested.state.positions)
 
 
 def test_a_lift_counts_from_the_compression_that_forces_ask_for():
@@ -213,6 +236,25 @@ def test_what_is_unstable_does_not_rest_however_little_is_unbalanced(blocks, sti
 def test_what_is_stable_comes_back():
     problem, at = leaning(1, 20_000.0, 1e-3)
     assert abs(motion_to_rest(problem, at).state.positions[:, 2]).max() < 1e-8
+
+
+def test_a_step_that_can_be_shorter_leads_at_most_three_times_as_far_as_the_last_imbalance(monkeypatch):
+    """Farther away is another solution; what moves freely goes by force · time²."""
+    (problem, at), step, told = leaning(1, 20_000.0, 1e-3), module._step_from_rest, []
+
+    def kept(now, at, last, near, shorter):
+        found, model = step(now, at, last, near, shorter), now.system.model
+        moved = way(at, found.at, model.size)
+        assert not shorter or step(now, at, last, 0.9 * moved, shorter) is None
+        time = np.sqrt(model.mass[1, 0] * GRAVITY / (now.mass[1, 0] * model.size))
+        told.append((time, near, shorter, moved))
+        return found
+
+    monkeypatch.setattr(module, "_step_from_rest", kept)
+    motion_to_rest(problem, at)
+    assert [shorter for *_, shorter, _ in told] == [False] + [True] * 7
+    for (time, *_, moved), (longer, near, *_) in pairwise(told[1:]):
+        assert near == pytest.approx(3.0 * moved * (longer / time) ** 2)
 
 
 def test_a_slender_arch_sinks_by_a_hundred_times_what_its_joints_are_compressed():
