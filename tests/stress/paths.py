@@ -9,7 +9,7 @@ import pytest
 from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover
 from mechanics.errors import CollapseError, ControlError, NoEquilibriumError, UnstableError
 from tests.stress.harness import Case, sound
-from tests.support.structures import arch_on_piers, block_on_base, rectangle, running_bond
+from tests.support.structures import arch_on_piers, block_on_base, rectangle
 
 STONE = Material(18.0, 0.7, 1e6)
 BASE = Block(rectangle(-5.0, -1.0, 5.0, 0.0), 1.0, STONE, support="base")
@@ -32,14 +32,6 @@ def twins(count: int, contacts: str) -> None:
         assert alpha <= 0.2 + 1e-6
         if contacts == "rigid":
             assert alpha >= least - 1e-6
-
-
-def frictionless(what: str) -> None:
-    """μ = 0: it slides at once."""
-    model = block_on_base(friction=0.0) if what == "block" else running_bond(3, 3, friction=0.0)
-    limit = limit_analysis(model)
-    sound(limit, 1e-3)
-    assert limit.alpha == pytest.approx(0.0, abs=1e-7)
 
 
 def frictionless_curve(contacts: str) -> None:
@@ -139,8 +131,6 @@ def cases() -> Iterator[Case]:
                 partial(twins, count, contacts),
                 (ControlError,),
             )
-    for what in ("block", "wall"):
-        yield Case("α0 = 0", f"frictionless {what}", partial(frictionless, what))
     for contacts in ("rigid", "elastic"):
         yield Case("α0 = 0", f"frictionless curve, {contacts}", partial(frictionless_curve, contacts), end)
     for off in (1e-3, 1e-5, 1e-7, 0.0, -1e-7, -1e-5, -1e-3):

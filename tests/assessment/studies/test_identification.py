@@ -13,7 +13,7 @@ from assessment.runtime.tasks import Workers
 from assessment.studies import identification as search_module
 from assessment.studies.fit import Fit, Unknowns, over_kinks, refined, sureness
 from assessment.studies.identification import follow, probability
-from mechanics import ConvergenceError
+from mechanics import CollapseError, ConvergenceError
 from mechanics.messages import message
 from mechanics.procedures import SupportMovement, pushdown_together
 from tests.support.surveyed_arch import (
@@ -173,11 +173,22 @@ def test_supports_do_not_rise_unless_they_may(identify, model, tmp_path):
     assert movement_of(free.hypotheses[0])[:2] == pytest.approx([0.004, 0.006], abs=1e-5)
 
 
-def test_a_movement_that_the_structure_does_not_survive_is_no_answer(identify, tmp_path):
-    wide = entry("span", "span", SPRINGING, 200.0, 1.0)
-    found, study = identify(write_surveyed(tmp_path, '[{ destro = ["x"] }]', wide))
+def test_a_movement_that_the_structure_does_not_survive_is_no_answer(monkeypatch, tmp_path):
+    """Of 20 mm that were measured a structure survives 8."""
+
+    def falls(model, movements, increment, sliding):
+        [asked] = movements
+        if asked.displacement[0] <= 0.008:
+            return pushdown_together(model, movements, increment, sliding)
+        path = pushdown_together(model, [SupportMovement("destro", (0.008, 0.0))], increment, sliding)
+        raise CollapseError(message("it falls"), path)
+
+    monkeypatch.setattr(search_module, "pushdown_together", falls)
+    wide = entry("span", "span", SPRINGING, 20.0, 1.0)
+    with Workers(jobs=1) as workers:
+        found, study = identified(write_surveyed(tmp_path, '[{ destro = ["x"] }]', wide), workers)
     [explained] = found.hypotheses
-    assert explained.at_collapse and explained.movement[0].x_m < 0.199
+    assert explained.at_collapse and explained.movement[0].x_m == pytest.approx(0.008, rel=0.02)
     assert any("beyond what the structure survives" in text for text in study.findings)
 
 

@@ -102,9 +102,10 @@ def test_feet_on_spreading_floors_slide_and_carry_no_more_than_friction(friction
     assert slope.max() == pytest.approx(friction, rel=2e-3) if feet < apex else slope.max() < friction
 
 
-@pytest.mark.parametrize("friction", [0.4, 0.5, 0.6])
-@pytest.mark.parametrize("lip", [0.0, 1e-4, 3.6e-4])
-@pytest.mark.parametrize("ledge", [-6e-4, -1e-4, -4e-6, 0.0, 2e-4])
+@pytest.mark.parametrize("friction", [0.4, 0.5])
+@pytest.mark.parametrize(
+    ("lip", "ledge"), [(0.0, 0.0), (1e-4, -4e-6), (3.6e-4, -1e-4), (0.0, -6e-4), (3.6e-4, 2e-4)]
+)
 def test_a_corner_on_a_corner_holds_no_skewback_that_slides(friction, lip, ledge):
     """The foot of the intrados lies on the pier's corner: as that corner on the voussoir's face, it held the slide.
 
@@ -115,7 +116,7 @@ def test_a_corner_on_a_corner_holds_no_skewback_that_slides(friction, lip, ledge
         limit_analysis(springing_arch(lip, ledge, friction=friction, collisions=collisions)).alpha
         for collisions in (True, False)
     )
-    assert apart == pytest.approx({0.4: 0.0441, 0.5: 0.1575, 0.6: 0.2064}[friction], rel=1e-2)
+    assert apart == pytest.approx({0.4: 0.0441, 0.5: 0.1575}[friction], rel=1e-2)
     assert held == pytest.approx(apart, rel=7e-3)
 
 

@@ -55,12 +55,6 @@ def test_l_contact():
     assert sorted(abs(joints.tangent[:, 0])) == pytest.approx([0.0, 1.0])
 
 
-def test_t_contact():
-    joints = joints_of(rectangle(0, 0, 5, 1), rectangle(2, 1, 3, 4))
-    assert joints.length == pytest.approx([1.0])
-    assert np.sort(joints.ends[0, :, 0]) == pytest.approx([2.0, 3.0])
-
-
 def test_supports_have_no_joint_between_them():
     supports = [Block(rectangle(k, 0, k + 1, 1), 1.0, STONE, support=f"s{k}") for k in (0, 1)]
     assert len(find_joints(supports, TOLERANCE).a) == 0

@@ -36,7 +36,7 @@ def between_walls(friction: float, stiffness: float) -> Assembly:
     return built(Material(20.0, friction, stiffness), (0.0, 1.0, 1.8, 1.8), **walls)
 
 
-@pytest.mark.parametrize(("friction", "stiffness"), [(0.84, 1e5), (0.84, 1e7), (5.0, 1e6)])
+@pytest.mark.parametrize(("friction", "stiffness"), [(0.84, 1e5), (0.84, 1e7), (np.inf, 1e6)])
 def test_a_beam_that_nothing_presses_between_walls_falls_freely(friction, stiffness):
     """½gt² in 0.3 s, whatever friction, stiffness and step; it was held by the lift of its slides."""
     model = between_walls(friction, stiffness)

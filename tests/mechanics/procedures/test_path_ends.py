@@ -16,6 +16,7 @@ from tests.support.contact_dynamics import motion
 from tests.support.drawn_projects import drawn, tables
 from tests.support.random_masonry import random_masonry
 from tests.support.structures import arch_on_piers, block_on_base, built, on_base, rectangle
+from tests.support.template_assembly import template_assembly
 
 STONE = Material(20.0, 0.6, 1e6)
 MODULE = {name: import_module(f"mechanics.procedures.{name}") for name in ("support_movement", "push_path")}
@@ -319,3 +320,17 @@ def test_what_falls_by_coulombs_law_as_a_support_moves_is_not_held_by_dilation()
     path = pushdown(Assembly(blocks), "right", (0.5, 0.0), increment=0.0105)
     assert path.lifting == 0
     assert path.crossed[0, 0] == pytest.approx(0.462, abs=1.5e-3)
+
+
+def test_a_wall_with_openings_settles_by_coulombs_law_alone():
+    """It rests wherever it slides: contact dynamics written apart comes to rest after 30 mm too."""
+    wall = template_assembly("wall-with-openings", storeys=1)
+    settled = pushdown(wall, "destro", (0.0, -0.03), increment=0.0021)
+    assert settled.movement[-1] == pytest.approx(0.03) and settled.lifting == 0
+
+
+def test_a_part_that_slips_by_a_quarter_of_a_block_rests_there():
+    """With steps of a tenth of the length too; longer ones led beyond, and the curve ended at 0.218 m."""
+    masonry = random_masonry(14)
+    curve = pushover(masonry, None, "+x", increment=0.03 * masonry.size, until=0.5)
+    assert len(curve.crossed) == 1 and curve.displacement[-1] > 0.28

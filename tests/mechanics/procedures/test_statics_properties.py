@@ -126,17 +126,6 @@ def test_reactions_balance_the_loads_in_every_step_and_no_joint_carries_more_tha
 
 
 @pytest.mark.parametrize("name", STRUCTURES)
-def test_reactions_balance_the_loads_at_the_onset(name):
-    model = STRUCTURES[name][0]()
-    limit = limit_analysis(model, "+x")
-    step = SimpleNamespace(
-        forces=limit.forces, alpha=limit.alpha, state=model.initial, contacts=limit.contacts,
-        places=limit.contacts.places(model.initial.positions), system=SimpleNamespace(rigid=True),
-    )  # fmt: skip
-    assert residual(model, step) == pytest.approx(np.zeros(3), abs=1e-8)
-
-
-@pytest.mark.parametrize("name", STRUCTURES)
 def test_virtual_work_and_another_solver_give_the_multiplier_in_displaced_configurations(name):
     """Within 1 %: the paper's check, α of the motion out of a configuration, and that of the joints closed there."""
     make, control, _ = STRUCTURES[name]

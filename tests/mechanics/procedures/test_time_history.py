@@ -1,7 +1,5 @@
 """Time histories: invariants, energy, collapse, messages."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -130,32 +128,6 @@ def test_energy_balance(contacts: str, integrator: str, open_share: float) -> No
     assert energy.imbalance == pytest.approx(abs(energy.residual).max() / energy.turnover)
     spent = np.stack([energy.friction, energy.impact, energy.viscous, energy.integrator])
     assert np.diff(spent, axis=1).min() > -1e-3 * energy.turnover
-
-
-def shaken(kind: str) -> TimeHistory:
-    """Blocks that slide, rock with located impacts, and rock by implicit Euler."""
-    if kind == "sliding":
-        return time_history(
-            block_on_base(2.0, 0.2, 0.3), burst(0.6, 200), STEP, "rigid", integrator="second-order"
-        )
-    model = block_on_base(0.6, 4.2)
-    state = model.rotated(1, (0.6, 0.0), -0.07)
-    integrator = "second-order" if kind == "rocking" else "implicit-euler"
-    return time_history(model, np.zeros(500), STEP, "rigid", state, integrator)
-
-
-@pytest.mark.parametrize(
-    ("kind", "term"),
-    [
-        ("sliding", "friction"), ("sliding", "input"), ("rocking", "kinetic"), ("rocking", "potential"),
-        ("rocking", "impact"), ("damped", "integrator"),
-    ],
-)  # fmt: skip
-def test_energy_balance_misses_every_term(kind: str, term: str) -> None:
-    """Were a term wrong by a tenth, the balance would show it."""
-    energy = shaken(kind).energy
-    assert energy.imbalance < 1e-3
-    assert replace(energy, **{term: 0.9 * getattr(energy, term)}).imbalance > 0.01
 
 
 def test_energy_of_springs_and_dashpots_is_in_the_balance() -> None:
@@ -290,14 +262,6 @@ def test_a_step_that_cannot_be_solved_is_no_collapse(monkeypatch: pytest.MonkeyP
         time_history(block_on_base(), burst(0.5, 20), STEP, "rigid", integrator="implicit-euler")
 
 
-def test_block_that_slides_off_is_out_of_reach() -> None:
-    model = block_on_base(0.2, 0.2, friction=0.1)
-    velocities = np.zeros((2, 3))
-    velocities[1, 0] = 6.0
-    motion = time_history(model, np.zeros(200), STEP, "rigid", State(model.initial.positions, velocities))
-    assert motion.collapsed and "out of reach" in motion.collapse_reason
-
-
 def test_moreau_jean_never_gains_energy() -> None:
     """An arch on piers whose joints open and close together, in steps of down to 1/64."""
     motion = time_history(arch_on_piers(), burst(0.2, 200, 1.5), STEP, "rigid", integrator="moreau-jean")
@@ -372,9 +336,10 @@ def test_a_motion_in_two_parts_is_the_motion_in_one(contacts: str, integrator: I
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"acceleration": np.zeros(1)}, "acceleration"),
+        ({"acceleration": np.zeros(1)}, "acceleration"), ({"acceleration": np.zeros((3, 2))}, "acceleration"),
         ({"acceleration": np.array([0.0, np.nan])}, "acceleration"), ({"time_step": 0.0}, "time_step"),
-        ({"integrator": "explicit"}, "integrator"), ({"contacts": "soft"}, "contacts"),
+        ({"time_step": np.nan}, "time_step"), ({"integrator": "explicit"}, "integrator"),
+        ({"contacts": "soft"}, "contacts"),
         ({"damping_ratio": 0.05}, "damping_ratio"),
         ({"restitution": 0.5, "integrator": "implicit-euler"}, "restitution"),
         ({"ultimate": 0.1}, "ultimate"), ({"vertical_acceleration": np.zeros(3)}, "vertical_acceleration"),
