@@ -147,6 +147,8 @@ class Live:
                 whole or steps == 0 or (steps + 1) / steps * (time.perf_counter() - began) < BUDGET
             ):
                 more, steps = follow.advance(), steps + 1
+            if whole:
+                follow.release()
         except MechanicsError as error:
             raise ProjectError(str(error)) from None
         cost = (time.perf_counter() - began) / max(steps, 1)

@@ -9,7 +9,7 @@ from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError,
 from mechanics.messages import Message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.procedures.step_control import Bisection
-from mechanics.procedures.support_movement import Led, whole_movement
+from mechanics.procedures.support_movement import FALLS, Led, whole_movement
 from mechanics.steps.equilibrium import check_self_weight, reaction
 from mechanics.steps.rest import come_down
 from mechanics.steps.static_step import Equilibrium
@@ -24,8 +24,8 @@ class Following:
     """Follows a support: the equilibrium after each step of its movement, in any direction.
 
     On a straight way from the drawing they are those of `pushdown` with the same `increment` (m, of the largest
-    component of the movement or of the arc at the support's farthest corner). They are not released with a kick: where
-    joints slide `pushdown` may refuse what stands here. `reached` (3,): movement x, z (m) and rotation (rad, about the
+    component of the movement or of the arc at the support's farthest corner); `release` does what `pushdown` does in
+    the end. `reached` (3,): movement x, z (m) and rotation (rad, about the
     support's drawn centroid) of the last `equilibrium`; `fallen`: whether the structure falls on the way beyond it, and
     `stopped`: why the way ends there (None: it does not). Raises UnstableError if the structure as drawn cannot stand,
     ArgumentError for an argument out of its range.
@@ -75,6 +75,12 @@ class Following:
             except (NoEquilibriumError, ConvergenceError) as error:
                 self._stop(error)
         return self.equilibrium.state
+
+    def release(self) -> None:
+        """Release the structure, where joints have slid, with a kick along its way, after which it may be fallen."""
+        led = self._led
+        if self.stopped is None and led.slid and not led.stands(self.equilibrium.state, led.rate):
+            self.fallen, self.stopped = True, FALLS
 
     def aim(self, displacement: ArrayLike, rotation: float = 0.0) -> None:
         """Set the target of the next steps; what has stopped them before counts no more."""

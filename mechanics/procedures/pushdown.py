@@ -21,10 +21,10 @@ from mechanics.errors import (
 from mechanics.messages import Message, message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.pictures import film, magnification
-from mechanics.procedures.held_load import KICKS, stands_kicked
 from mechanics.procedures.model_check import check_path, sound
 from mechanics.procedures.step_control import Bisection, follow
 from mechanics.procedures.support_movement import (
+    FALLS,
     Led,
     Movements,
     SupportMovement,
@@ -34,7 +34,6 @@ from mechanics.procedures.support_movement import (
 from mechanics.program import Certificate
 from mechanics.solvers import USABLE
 from mechanics.steps.equilibrium import check_self_weight, reaction
-from mechanics.steps.flow_step import slides
 from mechanics.steps.rest import come_down
 from mechanics.steps.static_step import Equilibrium
 from mechanics.steps.static_system import Sliding, static_system
@@ -49,7 +48,6 @@ if TYPE_CHECKING:
 POINTS = 20_000  # most of a path that goes on to collapse
 # shares of a path to collapse at which it is released with a kick
 KICKED = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99)
-FALLS = message("released where it rests, the structure falls after a kick along its way")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -131,12 +129,8 @@ def pushdown(
     ArgumentError for an argument out of its range.
     """
     # nine arguments: the public function of the package, called with keywords
-    Assembly.check(model)
-    movement = checked_movement(model, support, displacement, rotation)
-    require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
-    check_self_weight(model)
-    moving = Movements(static_system(model, contacts, sliding), (movement,), model.starting(state))
-    return _followed(moving, increment, to_collapse)
+    movement = (support, displacement, rotation)
+    return _followed(model, [movement], increment, contacts, to_collapse, sliding, state)
 
 
 def pushdown_together(
@@ -149,20 +143,21 @@ def pushdown_together(
 
     `increment` (m): of the largest component of all movements. Raises as `pushdown`.
     """
+    whole = [(each.support, each.displacement, each.rotation) for each in movements]
+    return _followed(model, whole, increment, "rigid", False, sliding, None)
+
+
+def _followed(
+    model: Assembly, movements: Sequence[tuple[str, ArrayLike, float]], increment: float, contacts: Behaviour,
+    to_collapse: bool, sliding: Sliding, state: State | None,
+) -> Pushdown:  # fmt: skip
+    """Follow the path of supports that move by a displacement and a rotation each. Raises as `pushdown`."""
     Assembly.check(model)
-    checked = tuple(
-        checked_movement(model, each.support, each.displacement, each.rotation) for each in movements
-    )
+    checked = tuple(checked_movement(model, *each) for each in movements)
     require(len(checked) > 0, "movements", 0, "the movement of one support or more")
     require(is_number(increment) and 0.0 < increment < np.inf, "increment", increment, "positive, in m")
     check_self_weight(model)
-    return _followed(
-        Movements(static_system(model, "rigid", sliding), checked, model.initial), increment, False
-    )
-
-
-def _followed(moving: Movements, increment: float, to_collapse: bool) -> Pushdown:
-    """Follow the path of moving supports. Raises as `pushdown`."""
+    moving = Movements(static_system(model, contacts, sliding), checked, model.starting(state))
     path = _Path(moving, increment, to_collapse)
     try:
         follow(path, Bisection(increment))
@@ -195,7 +190,6 @@ class _Path:
         self.ultimate: float | None = None
         self.end: Message | None = None
         self.index = self.model.support(moving.movements[0].support)
-        self.slid = False  # what turns alone has one set of forces, and stands up to its last equilibrium
         self.led = Led(moving.system, moving.begun)
         self.steps, self.movement = [self.led.last], [0.0]
         begun = self.led.last
@@ -216,20 +210,21 @@ class _Path:
         """
         target = self.moving.full if self.final is None else self.limit
         here = self.movement[-1]
-        by, led = min(length, target - here), self.led
-        guess = self.moving.moved(led.last.state.positions + by * led.rate, here + by)
+        at, led = here + length, self.led
+        at = at if at < target * (1.0 - 1e-9) else target  # no step is left of a length of rounding
+        by = at - here
+        guess = self.moving.moved(led.last.state.positions + by * led.rate, at)
         jumped = led.step(guess, by, self.moving.lever, shortest)
-        self.slid |= slides(led.last, by)
         self.steps.append(led.last)
-        self.movement.append(here + by)
+        self.movement.append(at)
         self.reactions.append(reaction(led.last, self.index)[:2])
         if jumped:
-            self.crossed.append((here, here + by))
+            self.crossed.append((here, at))
         if self.final is None and self.applied:
             self._settle()
         elif self.final is not None and self._moves_as_a_whole(by):
             self.end = message("the structure moves with its support as a whole")
-        if self.end is None and self.movement[-1] >= self.limit * (1.0 - 1e-9):
+        if self.end is None and at == self.limit:
             self.end = message("the whole movement is applied")
         elif self.end is None and self.final is not None and len(self.steps) >= POINTS:
             key = "increment_m" if self.moving.shifts else "increment_rad"
@@ -253,11 +248,10 @@ class _Path:
 
         Of a path to collapse, beyond the whole movement; of one that falls before or after it, from its start.
         """
-        if not self.slid or (self.final is not None and not self.to_collapse):
+        if not self.led.slid or (self.final is not None and not self.to_collapse):
             return
         movement, last = np.array(self.movement), len(self.movement) - 1
-        whole = self.moving.full * (1.0 - 1e-9)
-        stood = 0 if self.final is None else int(np.searchsorted(movement, whole))
+        stood = 0 if self.final is None else int(np.searchsorted(movement, self.moving.full))
         points = [k for k in np.searchsorted(movement, np.array(KICKED) * movement[-1]).tolist() if k > stood]
         fell = next((k for k in points if not self._stands(k)), last if self.end is FALLS else None)
         if fell is None:
@@ -272,12 +266,8 @@ class _Path:
 
     def _stands(self, point: int) -> bool:
         """Whether the structure, released at a point with a kick along the way to it, stands."""
-        return self._stands_in(self.steps[point].state, self.steps[point - 1].state)
-
-    def _stands_in(self, state: State, before: State) -> bool:
-        """Whether the structure, released in a state with a kick along the way from the one `before`, stands."""
-        system, way = self.moving.system, state.positions - before.positions
-        return stands_kicked(self.model, system.behaviour, system.sliding, state, way, KICKS[:1])
+        before, state = (step.state for step in self.steps[point - 1 : point + 1])
+        return self.led.stands(state, state.positions - before.positions)
 
     @property
     def share(self) -> float:
@@ -288,7 +278,7 @@ class _Path:
     @property
     def applied(self) -> bool:
         """Whether the whole movement is applied."""
-        return self.movement[-1] >= self.moving.full * (1.0 - 1e-9)
+        return self.movement[-1] >= self.moving.full
 
     def _settle(self) -> None:
         """Let the blocks that sliding has lifted come down after the whole movement; the path ends if they fall."""
@@ -303,7 +293,8 @@ class _Path:
             return
         if rested is not step:
             self.others.append(rested.certificate)
-        if self.slid and not self._stands_in(rested.state, self.steps[-2].state):
+        way = rested.state.positions - self.steps[-2].state.positions
+        if self.led.slid and not self.led.stands(rested.state, way):
             self.end = FALLS
             return
         self.final = rested.state
@@ -324,19 +315,12 @@ class _Path:
         """Return the path as a result, once it has ended."""
         assert self.end is not None
         states = tuple(step.state for step in self.steps)
+        certificates = (*(step.certificate for step in self.steps), *self.others)
         return Pushdown(
-            np.array(self.movement),
-            np.array(self.reactions),
-            states,
-            self.final or states[-1],
-            self.ultimate,
-            self.end,
-            np.array(self.crossed).reshape(-1, 2),
-            tuple(self.steps),
-            (*(step.certificate for step in self.steps), *self.others),
-            self.moving.system.sliding,
-            self.model,
-        )
+            np.array(self.movement), np.array(self.reactions), states, self.final or states[-1], self.ultimate,
+            self.end, np.array(self.crossed).reshape(-1, 2), tuple(self.steps), certificates,
+            self.moving.system.sliding, self.model,
+        )  # fmt: skip
 
     def collapse(self) -> Message:
         """Return that the structure collapses before it rests after the whole movement, and why."""
@@ -345,12 +329,9 @@ class _Path:
         if self.applied:
             return message(
                 "the structure collapses after the whole movement of {whole:.4g} m: {reason}",
-                whole=whole,
-                reason=reason,
-            )
+                whole=whole, reason=reason,
+            )  # fmt: skip
         return message(
             "the structure collapses at a movement of {reached:.4g} m, before the whole of {whole:.4g} m: {reason}",
-            reached=self.movement[-1],
-            whole=whole,
-            reason=reason,
-        )
+            reached=self.movement[-1], whole=whole, reason=reason,
+        )  # fmt: skip

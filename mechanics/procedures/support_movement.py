@@ -14,10 +14,13 @@ from mechanics.model.assembly import Assembly, State
 from mechanics.procedures.held_load import KICKS, stands_kicked
 from mechanics.procedures.step_control import Reached, reach
 from mechanics.steps.equilibrium import rest, rest_size
+from mechanics.steps.flow_step import slides
 from mechanics.steps.static_step import StepProblem
 from mechanics.steps.static_system import StaticSystem
 from mechanics.steps.tolerances import REST, STEP
 from mechanics.types import Array
+
+FALLS = message("released where it rests, the structure falls after a kick along its way")
 
 
 @dataclass(frozen=True)
@@ -104,12 +107,16 @@ class Movements:
 
 
 class Led:
-    """A structure whose supports are led: its `last` equilibrium, and its `rate` (b, 3) per metre of their movement."""
+    """A structure whose supports are led: its `last` equilibrium, and its `rate` (b, 3) per metre of their movement.
+
+    `slid`: whether a joint has slid so far: what turns alone has one set of forces, and stands up to its last
+    equilibrium.
+    """
 
     def __init__(self, system: StaticSystem, begun: State) -> None:
         self.smallest = 0.0 if system.rigid else rest_size(system.model, system.behaviour)
         self.last = rest(system, begun)
-        self.rate = np.zeros_like(begun.positions)
+        self.rate, self.slid = np.zeros_like(begun.positions), False
 
     def reach(self, guess: Array, by: float, shortest: bool) -> Reached:
         """Return the equilibrium near a `guess` (b, 3), `by` (m) on."""
@@ -140,7 +147,13 @@ class Led:
                 )
         self.last = found
         self.rate = 0.0 * guess if jumped else (found.state.positions - before.positions) / by
+        self.slid |= slides(found, by)
         return jumped
+
+    def stands(self, state: State, way: Array) -> bool:
+        """Whether the structure, released in a state with a kick along the `way` (b, 3) to it, stands."""
+        system = self.last.system
+        return stands_kicked(system.model, system.behaviour, system.sliding, state, way, KICKS[:1])
 
 
 def whole_movement(model: Assembly, support: str, displacement: ArrayLike, rotation: float) -> float:

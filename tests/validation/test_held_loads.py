@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from mechanics import Assembly, Block, CollapseError, Material, pushdown, pushover, time_history
+from mechanics import Assembly, Block, CollapseError, Following, Material, pushdown, pushover, time_history
 from mechanics.procedures import held_load
 from mechanics.procedures.held_load import borne
 from tests.support.contact_dynamics import motion
@@ -236,6 +236,11 @@ def test_an_ultimate_movement_is_that_of_a_smaller_one_where_the_whole_falls(who
         pushdown(model, "right", whole * way, increment=0.02 * model.size)
     assert fall.value.path.ultimate == pytest.approx(told, rel=0.01)
     assert len(fall.value.path.certificates) == len(fall.value.path.steps) + 1
+    follow = Following(model, "right", increment=0.02 * model.size)
+    follow.to(whole * way)
+    assert follow.fallen is (whole > WALLS["442"][3])
+    follow.release()
+    assert follow.fallen
 
 
 def test_an_elastic_arch_does_not_stand_because_it_lingers_where_it_balances():
