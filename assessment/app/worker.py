@@ -122,14 +122,9 @@ class Live:
         self.follow: Following | None = None
 
     def answer(
-        self,
-        folder: Path,
-        tag: str,
-        support: str,
-        target: Sequence[float],
-        home: bool = False,
+        self, folder: Path, tag: str, support: str, target: Sequence[float], home: bool = False,
         whole: bool = False,
-    ) -> dict[str, Any]:
+    ) -> dict[str, Any]:  # fmt: skip
         """Follow a support towards `target` (x, z, m, and rotation, rad) for BUDGET; return where everything is.
 
         `tag`: by which the model is known; the support goes on from where it is, or with `home` from the drawing.
