@@ -14,6 +14,7 @@ from mechanics.model.assembly import Behaviour
 from mechanics.types import Array
 from tests.stress.corpus import assemblies
 from tests.stress.harness import Case, sound
+from tests.support.structures import outlines
 
 COUNT, TOGETHER = 50, 10
 CONTACTS: tuple[Behaviour, ...] = ("rigid", "elastic")
@@ -35,11 +36,7 @@ def waves(number: int) -> Array:
 
 def deepest(model: Assembly, x: Array) -> float:
     """How far (m) two blocks lie in each other at most, at positions (b, 3): overlap over its length."""
-    cos, sin = np.cos(x[:, 2]), np.sin(x[:, 2])
-    shapes = [
-        shapely.Polygon(at[:2] + (block.polygon - block.centroid) @ np.array([[c, s], [-s, c]]))
-        for block, at, c, s in zip(model.blocks, x, cos, sin, strict=True)
-    ]
+    shapes = outlines(model, x)
     first, second = shapely.STRtree(shapes).query(shapes, predicate="intersects")
     common = shapely.intersection(
         np.array(shapes)[first[first < second]], np.array(shapes)[second[first < second]]

@@ -5,12 +5,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import shapely
 
 from assessment.benchmark.measure import block_on_base, in_frame, rectangle, running_bond
 from mechanics import Assembly, Block, Material, Tie
 
 __all__ = [
-    "arch_on_piers", "block_on_base", "built", "column", "in_bond", "in_frame", "on_base", "rectangle",
+    "arch_on_piers", "block_on_base", "built", "column", "in_bond", "in_frame", "on_base", "outlines", "rectangle",
     "running_bond", "semicircular_arch", "springing_arch", "tied_arch",
 ]  # fmt: skip
 
@@ -159,3 +160,12 @@ def springing_arch(
     pairs = zip(inner, outer, inner[1:], outer[1:], strict=False)
     blocks += [Block([a, b, d, c], 1.0, stone) for a, b, c, d in pairs]
     return Assembly(blocks, collisions=collisions)
+
+
+def outlines(model: Assembly, positions: np.ndarray) -> list[shapely.Polygon]:
+    """The shapes of the blocks at positions (b, 3)."""
+    found = []
+    for block, at in zip(model.blocks, positions, strict=True):
+        c, s = np.cos(at[2]), np.sin(at[2])
+        found.append(shapely.Polygon(at[:2] + (block.polygon - block.centroid) @ np.array([[c, s], [-s, c]])))
+    return found

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
@@ -19,17 +18,9 @@ from mechanics import (
     time_history,
 )
 from mechanics.steps.static_system import static_system
-from tests.support.structures import built, on_base, rectangle, springing_arch
+from tests.support.structures import built, on_base, outlines, rectangle, springing_arch
 
 NONE = 1e-6  # a friction that is next to none: associated sliding then lifts nothing
-
-
-def outlines(model: Assembly, positions: np.ndarray) -> list[shapely.Polygon]:
-    found = []
-    for block, at in zip(model.blocks, positions, strict=True):
-        c, s = np.cos(at[2]), np.sin(at[2])
-        found.append(shapely.Polygon(at[:2] + (block.polygon - block.centroid) @ np.array([[c, s], [-s, c]])))
-    return found
 
 
 def deepest(model: Assembly, positions: np.ndarray) -> float:

@@ -33,7 +33,7 @@ from mechanics.kernels.law import LAW, LEFT
 from mechanics.model.contacts import Contacts, rows
 from mechanics.types import Array
 from tests.support.reference_loops import Pair, bed_of_points, derivative, scattered, turned
-from tests.support.structures import arch_on_piers, rectangle, running_bond
+from tests.support.structures import arch_on_piers, outlines, rectangle, running_bond
 
 MODELS = {"arch": arch_on_piers(voussoirs=7, courses=2), "wall": running_bond(columns=3, courses=3)}
 seeds = st.integers(0, 2**32 - 1)
@@ -264,10 +264,7 @@ def test_gaps_and_overlap_tell_the_area_in_which_blocks_lie_in_each_other(slide,
     positions = model.initial.positions.copy()
     positions[1, :2] += turned([slide, lift], turn)
     positions[1, 2] += lean
-    shapes = [
-        shapely.Polygon(at[:2] + turned(b.polygon - b.centroid, at[2]))
-        for b, at in zip(model.blocks, positions, strict=True)
-    ]
+    shapes = outlines(model, positions)
     [place] = model.contacts.places(positions)
     found = stored(1.0, 0.0, 1.0, 1.0) if place[H] <= 0.0 else pressed(place[U], place[PHI], place[H], 1.0)[0]
     assert found == pytest.approx(shapes[0].intersection(shapes[1]).area, abs=5e-5)

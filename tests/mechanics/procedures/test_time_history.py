@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from assessment.benchmark.motions import shaking
 from mechanics import Assembly, Block, ConvergenceError, Material, State, TimeHistory, pushdown, time_history
 from mechanics.procedures.collapse import ControlPoint, collapse
 from mechanics.procedures.energy import Energy
@@ -12,17 +13,6 @@ from tests.support.structures import arch_on_piers, block_on_base, on_base, rect
 
 SCHEMES = [(c, i) for c in ("rigid", "elastic") for i in ("implicit-euler", "second-order", "moreau-jean")]
 STEP = 0.005
-
-
-def shaking(amplitude: float, frequency: float = 1.5):
-    """Base acceleration (k,), g, at times: two sines that come and go."""
-
-    def at(times: np.ndarray) -> np.ndarray:
-        phase = 2.0 * np.pi * frequency * times
-        wave = np.sin(phase) + 0.5 * np.sin(2.7 * phase + 1.0)
-        return amplitude * np.minimum(times / 0.5, 1.0) * np.clip((2.0 - times) / 0.2, 0.0, 1.0) * wave
-
-    return at
 
 
 def burst(amplitude: float, n: int = 100, frequency: float = 2.0) -> np.ndarray:

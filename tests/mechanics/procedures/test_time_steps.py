@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from assessment.benchmark.motions import shaking
 from mechanics import Assembly, TimeHistory, time_history
 from mechanics.kernels.joint import H
 from mechanics.model.contacts import forces_on_blocks
@@ -18,12 +19,9 @@ STEP = 0.005
 SPRINGING = (0.42, 0.55)
 
 
-def shaking(amplitude: float, step: float, duration: float) -> np.ndarray:
-    """Two sines that grow over half a second, for two seconds; then rest: the benchmark's motion."""
-    times = step * np.arange(round(duration / step) + 1)
-    phase = 2.0 * np.pi * 1.5 * times
-    envelope = np.minimum(times / 0.5, 1.0) * np.clip((2.0 - times) / 0.2, 0.0, 1.0)
-    return amplitude * envelope * (np.sin(phase) + 0.5 * np.sin(2.7 * phase + 1.0))
+def shaken(amplitude: float, step: float, duration: float) -> np.ndarray:
+    """The benchmark's motion."""
+    return shaking(amplitude)(step * np.arange(round(duration / step) + 1))
 
 
 def buttressed_arch(stiffness: float) -> Assembly:
@@ -49,7 +47,7 @@ def small_arch(stiffness: float) -> Assembly:
 
 def test_collapse_on_stiff_joints_is_seen_at_the_usual_step() -> None:
     """0.3 g at 5 ms, k = 1e8 kN/m³: in steps of 0.3 ms members within 1 % fall at 1.01 to 1.04 s, unhalved at 1.25."""
-    motion = time_history(small_arch(1e8), shaking(0.3, STEP, 2.0), STEP, "elastic")
+    motion = time_history(small_arch(1e8), shaken(0.3, STEP, 2.0), STEP, "elastic")
     sound(motion)
     assert motion.collapsed and motion.time_of_collapse == pytest.approx(1.04, abs=0.06)
     assert motion.halvings > 100
@@ -57,7 +55,7 @@ def test_collapse_on_stiff_joints_is_seen_at_the_usual_step() -> None:
 
 def test_stiff_joints_move_as_rigid_ones_in_the_limit() -> None:
     """The first uplift at 0.25 g in steps of 2.5 ms: 23, 10 to 13, 5.2 mrad on 1e7, 1e8 kN/m³ and rigid joints."""
-    wave = shaking(0.25, 0.5 * STEP, 0.55)
+    wave = shaken(0.25, 0.5 * STEP, 0.55)
     turned = []
     for stiffness, contacts in ((1e7, "elastic"), (1e8, "elastic"), (1e8, "rigid")):
         motion = time_history(small_arch(stiffness), wave, 0.5 * STEP, contacts)
@@ -74,7 +72,7 @@ def test_a_bed_that_is_stiff_for_its_step_gives_no_energy() -> None:
     for integrator in ("second-order", "implicit-euler"):
         sound(
             time_history(
-                model, shaking(0.12, STEP, 1.5), STEP, "elastic", integrator=integrator, tolerances=whole
+                model, shaken(0.12, STEP, 1.5), STEP, "elastic", integrator=integrator, tolerances=whole
             )
         )
 
@@ -84,7 +82,7 @@ def test_an_ensemble_at_the_usual_step_has_the_resolved_median() -> None:
     found = []
     for factor in np.linspace(0.99, 1.01, 5):
         motion = time_history(
-            drawn("buttressed_arch"), factor * shaking(0.12, STEP, 2.2), STEP, control=SPRINGING
+            drawn("buttressed_arch"), factor * shaken(0.12, STEP, 2.2), STEP, control=SPRINGING
         )
         assert motion.integrator == "moreau-jean" and motion.energy.imbalance <= 1e-4
         found.append(float(abs(motion.displacement).max()))
@@ -111,7 +109,7 @@ def levels() -> dict[int, TimeHistory]:
     for count in (0, 6):
         halved = replace(HISTORY, resolved=replace(HISTORY.resolved, levels=count))
         found[count] = time_history(
-            drawn("buttressed_arch"), shaking(0.12, STEP, 3.0), STEP, control=SPRINGING, tolerances=halved
+            drawn("buttressed_arch"), shaken(0.12, STEP, 3.0), STEP, control=SPRINGING, tolerances=halved
         )
     return found
 
@@ -143,7 +141,7 @@ def test_a_resolved_impact_is_no_loss_of_the_integrator() -> None:
 
 @pytest.mark.parametrize("integrator", ["moreau-jean", "second-order"])
 def test_friction_is_not_booked_as_an_impact(integrator: Integrator) -> None:
-    energy = time_history(running_bond(3, 3), shaking(0.8, STEP, 0.8), STEP, integrator=integrator).energy
+    energy = time_history(running_bond(3, 3), shaken(0.8, STEP, 0.8), STEP, integrator=integrator).energy
     assert energy.friction[-1] > 0.8 * energy.dissipated[-1]
     assert energy.imbalance <= 1e-4
 

@@ -300,9 +300,8 @@ KINDS: dict[str, Kind] = {
         damaged_lines(CONTRACT, values) | damaged_bytes(CONTRACT.encode()) | values,
         _file("project.toml", write_named_files, _loaded), 1200,
     ),
-    "numbers of a project": Kind(damaged_lines(BLOCK, numbers), _numbers_of_a_model, 500),
     "every table of a project": Kind(
-        damaged_lines(EVERY, values) | damaged_lines(EVERY, numbers), _numbers_of_a_model, 300,
+        damaged_lines(EVERY, values) | damaged_lines(EVERY, numbers), _numbers_of_a_model, 800,
     ),
     "drawing": Kind(_DRAWINGS | damaged_bytes(dxf_text.WHOLE.encode()), _file("geometry.dxf", _wall, _modelled), 800),
     "drawing, repaired": Kind(_DRAWINGS, _file("geometry.dxf", _wall, _repaired), 100),

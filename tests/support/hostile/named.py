@@ -151,9 +151,6 @@ def _half_circle(count: int) -> list[tuple[float, float]]:
     return [(round(3 * math.cos(angle), 12), round(3 * math.sin(angle), 12)) for angle in angles]
 
 
-HARMLESS = re.compile(r"friction = 1e300")
-NUMBER = re.compile(r"(?m)^(\w+ = )-?[\d.e]+(?=\s|$)")
-CONTENT = PROJECT + ASSESSMENT + FLOOR
 COMPLETE: dict[str, Case] = {
     "an extrusion of no direction": _drawn(BLOCKS + polyline(ABOVE, extra="210\n0\n220\n0\n230\n0\n")),
     "a bulge of 1e-300": _drawn(BLOCKS + polyline([(0, 2, 0), (0, 3, 0), (1, 3, "1e-300"), (1, 2, 0)])),
@@ -161,7 +158,7 @@ COMPLETE: dict[str, Case] = {
     "control characters in the name of a layer": _drawn(BLOCKS + polyline(ABOVE, f"A{ESCAPE}\x07")),
     "a name of a layer that is no UTF-8": _drawn(BLOCKS + polyline(ABOVE, "A\udcff")),
     "formulas in the name of a layer": _drawn(BLOCKS + polyline(ABOVE, "_$x^{$ \\frac")),
-    "a floor at height 0": _checked(CONTENT),
+    "a floor at height 0": _checked(PROJECT + ASSESSMENT + FLOOR),
     "comments without end in a judgement": _markdown,
 }  # fmt: skip
 REFUSALS: dict[str, Case] = {
@@ -229,12 +226,3 @@ REFUSALS: dict[str, Case] = {
     "escapes in the name of the folder": _folder_name,
     "escapes and a line's end in the name of a record": _record_name,
 }  # fmt: skip
-EXTREMES: dict[str, Case] = {
-    f"{match[1].strip(' =')} = {value}, number {n}": _checked(
-        CONTENT[: match.end(1)] + value + CONTENT[match.end() :]
-    )
-    for n, match in enumerate(NUMBER.finditer(CONTENT))
-    for value in ("1e300", "nan")
-}
-COMPLETE |= {name: EXTREMES.pop(name) for name in [*EXTREMES] if HARMLESS.match(name)}
-REFUSALS |= EXTREMES
