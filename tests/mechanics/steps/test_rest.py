@@ -22,7 +22,7 @@ from mechanics.kernels.joint import H
 from mechanics.steps import geometry_iteration
 from mechanics.steps import rest as module
 from mechanics.steps.equilibrium import rest, rest_size
-from mechanics.steps.rest import lifted, motion_to_rest, way
+from mechanics.steps.rest import come_down, lifted, motion_to_rest, way
 from mechanics.steps.static_step import StepProblem
 from mechanics.steps.static_system import static_system
 from mechanics.steps.tolerances import REST, STEP
@@ -119,6 +119,21 @@ def test_what_falls_all_the_time_has_fallen_though_its_step_half_way_is_taken_ag
         motion_to_rest(high, high.start.positions, replace(REST, steps=6, farthest=10.0))
 
 
+@pytest.mark.parametrize(("share", "error"), [(0.97, RunawayError), (0.93, ConvergenceError)])
+def test_what_slows_down_as_it_moves_has_not_fallen(monkeypatch, share, error):
+    """Of six steps the forces of the fourth and the sixth are compared: a fall keeps nine tenths of it."""
+    high, step, steps = raised(block_on_base(0.6, 4.2, stiffness=1e6), 2.0), module._step_from_rest, []
+
+    def slower(now, at, *more):
+        found = step(now, at, *more)
+        steps.append(found)
+        return replace(found, at=at + share ** len(steps) * (found.at - at))
+
+    monkeypatch.setattr(module, "_step_from_rest", slower)
+    with pytest.raises(error, match="does not come to rest"):
+        motion_to_rest(high, high.start.positions, replace(REST, steps=6, farthest=10.0))
+
+
 def test_a_motion_without_inertia_left_is_not_repeated(monkeypatch):
     """Blocks that rest, to rounding, where no static program is certified: the rest is undecided, and told at once."""
     problem = raised(block_on_base(0.6, 4.2, stiffness=1e6), 0.0)
@@ -186,6 +201,20 @@ def test_a_lift_counts_from_the_compression_that_forces_ask_for():
     above = replace(step, places=step.places + np.where(np.arange(step.places.shape[1]) == 8, 0.01, 0.0))
     assert above.places[0, H] == step.places[0, H]
     assert lifted(above) == pytest.approx(0.01, rel=1e-6)
+
+
+@pytest.mark.parametrize(("share", "stays"), [(0.9, True), (1.1, False)])
+def test_what_sliding_has_lifted_comes_down_where_it_counts(share, stays):
+    """From 5 · 10⁻⁵ of a block on."""
+    model = block_on_base(0.6, 4.2)
+    step = rest(static_system(model, "rigid"), model.initial)
+    above = step.state.positions + model.movable[:, None] * [0.0, share * 5e-5 * model.size, 0.0]
+    places = step.system.places(above, step.state)
+    up = replace(step, state=replace(step.state, positions=above), places=places)
+    down = come_down(up, 1e-4 * model.size)
+    assert (down is up) is stays
+    if not stays:
+        assert down.state.positions == pytest.approx(step.state.positions, abs=1e-8)
 
 
 def test_a_turn_is_a_way_too():
