@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 from mechanics import pushdown
-from mechanics.errors import (
-    CollapseError,
-)
+from mechanics.errors import CollapseError
 from mechanics.program import certify
 from mechanics.solvers import lp_highs, solve
 from mechanics.steps.equilibrium import closed_program

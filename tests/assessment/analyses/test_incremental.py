@@ -26,10 +26,7 @@ from tests.support.typed import made
 def _row(collapse, safe=None, **more):
     numbers = dict.fromkeys(("pga_collapse_g", "level_50_g", "lowest_collapse_g"), collapse)
     numbers |= {"pga_safe_g": collapse if safe is None else safe, "sign": 1}
-    return made(
-        Scanned,
-        numbers | {"record": f"{collapse} {safe}"} | more,
-    )
+    return made(Scanned, numbers | {"record": f"{collapse} {safe}"} | more)
 
 
 def _fragility(rows, stage="incremental"):

@@ -5,16 +5,7 @@ import os
 import pytest
 
 from assessment.runtime.cache import FOLDER
-from tests.support.block_project import (
-    PUSHED,
-    ROOT,
-    block,
-    command,
-    read_results,
-    run,
-    timeless,
-    write_block,
-)
+from tests.support.block_project import PUSHED, ROOT, block, command, read_results, run, timeless, write_block
 
 ELSEWHERE = """
 import ctypes, multiprocessing, os, signal, subprocess, sys, types

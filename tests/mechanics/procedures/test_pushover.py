@@ -249,10 +249,7 @@ TURNING = {  # columns, courses, length and height of a brick (m), friction
     "low": (3, 3, 0.40, 0.175, 3.16),
     "falls before α = 0": (2, 5, 0.28, 0.16, 0.9),
 }
-SLIDING = {
-    "rocks in the end": (2, 4, 0.29, 0.129, 0.869),
-    "slides on its base": (3, 3, 0.531, 0.182, 0.63),
-}
+SLIDING = {"rocks in the end": (2, 4, 0.29, 0.129, 0.869), "slides on its base": (3, 3, 0.531, 0.182, 0.63)}
 
 
 def ended(model: Assembly, length: float, sliding: str) -> tuple[str, bool, bool, float]:

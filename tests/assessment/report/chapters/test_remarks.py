@@ -4,13 +4,7 @@ import numpy as np
 import pytest
 from markupsafe import Markup
 
-from assessment.report.chapters.remarks import (
-    fitted_above,
-    lost_before_zero,
-    onsets,
-    overlaps,
-    slackened,
-)
+from assessment.report.chapters.remarks import fitted_above, lost_before_zero, onsets, overlaps, slackened
 from assessment.report.chapters.remarks import second_solver as comparison
 from assessment.report.figures.curves import draw_pushover
 from assessment.report.figures.deformed import draw_overturned

@@ -209,10 +209,7 @@ def test_the_range_stands_beside_the_index_that_is_used():
 
 @pytest.mark.parametrize(
     ("low", "told"),
-    [
-        (0.25, "an index or ratio may be as low as 0.25."),
-        (0.0, "the index may vanish or be missing."),
-    ],
+    [(0.25, "an index or ratio may be as low as 0.25."), (0.0, "the index may vanish or be missing.")],
 )
 def test_ranges_on_both_sides_of_one_decide_nothing_and_overlapping_ones_tell_no_loss(low, told):
     """Of five runs of a wall one had a capacity, and it was told as verified; scatter was told as a gain of 40 %."""
