@@ -20,6 +20,8 @@ from mechanics import (
     time_history,
 )
 from mechanics.procedures import limit_in, static_theorem
+from mechanics.procedures.collapse import broken_tie
+from mechanics.steps.static_system import static_system
 from tests.support.structures import arch_on_piers, rectangle, tied_arch
 
 B, H, AT, AWAY = 0.5, 3.0, 2.5, 1.5  # width and height of the wall, height of the tie, its length, m
@@ -113,6 +115,17 @@ def test_pretension_pulls_until_the_bed_holds_it():
     bed = 1e6 * B**3 / 12.0 - WEIGHT * H / 2
     # the foot, infinitely stiff in shear, stays where it is
     assert path.steps[0].forces[-1, 0] == pytest.approx(pull / (1.0 + stiffness * AT**2 / bed), rel=2e-3)
+
+
+@pytest.mark.parametrize(("share", "breaks"), [(0.99, False), (1.01, True)])
+def test_a_tie_breaks_in_a_motion_where_it_has_yielded_by_all_that_it_can(share, breaks):
+    """A hundredth of its length; the elastic part does not count, 3 kN at 1000 kN/m."""
+    model = tied_wall(stiffness=1e3, ultimate_elongation=0.01)
+    moved = model.initial.positions.copy()
+    moved[1, 0] += share * 0.01 * AWAY + FORCE / 1e3
+    found = broken_tie(static_system(model, "elastic"), np.array([model.initial.positions, moved]))
+    assert (found is not None) is breaks
+    assert not breaks or (found[0] == 1 and "the tie chain breaks" in found[1])
 
 
 def test_what_a_tie_has_yielded_it_keeps():
