@@ -98,7 +98,7 @@ def closed_program(model: Assembly, state: State, tolerance: float | None = None
     An end of a joint is closed if its gap is zero within the tolerance, a share of the block size: None, that of the
     drawing as drawn, LIMIT.closed in another state. If the joint is known to carry, the gap of its nearer end is
     subtracted first: sliding has lifted that joint. A joint of finite strength that has turned on its edge has crushed
-    there: its faces meet at the end of what has.
+    there: its faces meet at the end of what has. A corner that has met a face bears nothing before it has crushed.
     """
     if tolerance is None:
         drawn = model.joint_tolerance / model.size if state is model.initial else np.inf
@@ -114,11 +114,12 @@ def closed_program(model: Assembly, state: State, tolerance: float | None = None
     law[:, SLID] = 0.0
     bears = np.empty(len(places), dtype=bool)
     bearing(places, law, system.no_overlap, bears)
-    index = np.flatnonzero(closed.any(axis=1) & bears)
     friction_between(places, law)
     turned = (closed.sum(axis=1) == 1) & ~system.contacts.ties
     edges = np.column_stack([places[:, H], np.where(turned, law[:, STRENGTH], np.inf)])
     crushed = np.isfinite(edges[:, 1])
+    bears[system.ties.stop :] &= (~crushed | (gaps.min(axis=1) < -tolerance * model.size))[system.ties.stop :]
+    index = np.flatnonzero(closed.any(axis=1) & bears)
     law[crushed, STRENGTH] = np.inf
     # crushed up to where the gap vanishes: half of that is the resultant's distance from the edge
     share = np.maximum(-gaps.min(axis=1), 0.0) / np.maximum(np.ptp(gaps, axis=1), 1e-300)
@@ -126,9 +127,8 @@ def closed_program(model: Assembly, state: State, tolerance: float | None = None
     low, high = np.where(closed, 0.0, OPEN * step).T
     places[:, U], places[:, PHI] = 0.5 * (low + high), 0.5 * (high - low) / np.maximum(places[:, H], 1e-300)
     places[:, V] = 0.0
-    movable = model.movable
     program = Program(
-        dof=system.dof[index], places=places[index], law=law[index], load=model.dead_load[movable].ravel(),
+        dof=system.dof[index], places=places[index], law=law[index], load=model.dead_load[model.movable].ravel(),
         lateral=None, work=0.0, mass=None, weight=system.weight, size=model.size, step=step,
     )  # fmt: skip
     return ClosedProgram(program, system.contacts, index, system.layout.take(index), edges[index])

@@ -50,6 +50,16 @@ def test_crushing_vanishes_with_the_inverse_of_the_strength():
     assert lost[1:] == pytest.approx([10.0 * lost[0], 100.0 * lost[0]], rel=0.01)
 
 
+@pytest.mark.parametrize("sliding", ["coulomb", "associative"])
+def test_a_corner_that_meets_a_face_bears_nothing_before_it_has_crushed(sliding):
+    """The foot of the intrados on the corner of a pier bore any force, and α was 15 % larger than at the next point."""
+    touching, apart = (
+        limit_analysis(springing_arch(strength=200.0, collisions=collisions), "+x", sliding=sliding).alpha
+        for collisions in (True, False)
+    )
+    assert touching == pytest.approx(apart, rel=1e-6)
+
+
 @pytest.mark.parametrize(("lip", "ledge"), [(0.0, 0.0), (0.1, 0.05), (0.0, 0.05)])
 def test_the_corner_of_a_springing_refuses_no_strength(lip, ledge):
     """Any strength was refused: a corner on a third block crushes at once where it is pressed, or bears a share.
