@@ -1,7 +1,7 @@
 """What a run reads before anything is analysed: model, records, demand, and the results that need no analysis."""
 
 import platform
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -18,7 +18,7 @@ from assessment.project.masonry import table_of
 from assessment.project.model import ProjectModel, build_model
 from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import Project, load_project, spelt
-from assessment.project.schema import ORIGINAL, SensitivityTable, StatesTable
+from assessment.project.schema import ORIGINAL, MotionTable, SensitivityTable, StatesTable
 from assessment.results.joint_states import described
 from assessment.results.schema import FORMAT, Results, StateResults
 from assessment.results.schema import model as parts
@@ -233,10 +233,14 @@ def expected(read: Checked) -> dict[str, float]:
     ensemble = 1.0 + AGAIN * (project.scatter - 1)
     bonded = 1.0 + BOND * max(0.0, joints / int(read.model.assembly.movable.sum()) - 2.0)
     increment = PROGRAMS * bonded * (PROGRAM[0] + PROGRAM[1] * joints)
-    step = {contacts: once + each * joints for contacts, (once, each) in STEP.items()}
 
     def states(table: StatesTable | SensitivityTable) -> int:
         return len(table.states or project.states)
+
+    def samples(table: MotionTable, shaking: Sequence[base.BaseMotion], more: int = 0) -> float:
+        """Return the time of all samples of some motions, each run once."""
+        once, each = STEP[table.contacts]
+        return (more + sum(motion.record.time.size for motion in shaking)) * (once + each * joints)
 
     contacts = {*project.pushed_contacts, *project.dynamic_contacts, *project.moved_contacts} or {"rigid"}
     paths = increment * sum(
@@ -247,20 +251,17 @@ def expected(read: Checked) -> dict[str, float]:
     if push := project.pushover:
         curves = increment * len(push.directions) * CURVE * max(0.5, HIGH * height / push.increment_m)
         found["pushover"] = curves * len(push.contacts) * len(project.states) * ensemble
-    for table, motion in zip(project.history, motions.history, strict=True):
-        own = states(table) * motion.record.time.size * step[table.contacts] * ensemble
-        found["history"] = found.get("history", 0.0) + own
-    if search := project.incremental:
-        samples = sum(each.record.time.size for each in motions.incremental)
-        # of both signs, and as long again at half the step
-        runs = 4 * states(search) * SEARCH[search.contacts]
-        found["incremental"] = runs * samples * step[search.contacts]
+    tables = zip(project.history, motions.history, strict=True)
+    found["history"] = ensemble * sum(states(each) * samples(each, [motion]) for each, motion in tables)
+    if search := project.incremental:  # of both signs, and as long again at half the step
+        found["incremental"] = (
+            4 * states(search) * SEARCH[search.contacts] * samples(search, motions.incremental)
+        )
     if study := project.campaign:
         moved = len(study.settlements or project.settlements)
         cases = len(study.signs) * sum(moved if share else 1 for share in study.shares)
         runs = cases * (len(study.levels_g) if study.levels_g else SEARCH[study.contacts])
-        samples = sum(each.record.time.size for each in motions.campaign) + study.generated * GENERATED
-        found["campaign"] = runs * samples * step[study.contacts]
+        found["campaign"] = runs * samples(study, motions.campaign, study.generated * GENERATED)
     found["scenarios"] = curves * sum(each.steps or 0 for each in project.settlements)
     if varied := project.sensitivity:
         found["sensitivity"] = 2 * len(varied.factors) * (paths + curves * states(varied))

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,11 +24,10 @@ from assessment.project.schema import ORIGINAL
 from assessment.report.chapters.judgement import told
 from assessment.results.schema import Results, StateResults
 from assessment.results.schema.checks import Direction
-from assessment.results.schema.dynamic import Campaign
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import present
 from assessment.results.schema.static import Pushovers
-from assessment.results.schema.studies import ConvergenceRow, Identification, Scenarios, Sensitivity
+from assessment.results.schema.studies import ConvergenceRow
 from assessment.results.summary import summary_of, without
 from assessment.results.table import comparison
 from assessment.runtime.cache import Store
@@ -288,16 +288,13 @@ def _add_studies(draft: Draft, statics: Statics, scans: Scans) -> None:
     Raises ProjectError for a property without a model.
     """
     project, workers, settling = draft.project, scans.workers, draft.models[ORIGINAL].settling
-    made: dict[str, Callable[[Study], Scenarios | Sensitivity | Identification | Campaign]] = {}
-    if project.identification:
-        made["identification"] = lambda study: identification(project, settling, workers, study)
-    if asks_for_scenarios(project):
-        made["scenarios"] = lambda study: scenarios(statics, study)
-    if project.sensitivity:
-        made["sensitivity"] = lambda study: sensitivity(statics, study)
-    if project.campaign:
-        made["campaign"] = lambda study: campaign(statics, draft.read.motions.campaign, scans, study)
-    for name, make in made.items():
+    made: tuple[tuple[str, object, Callable[[Study], Any]], ...] = (  # what asks for each
+        ("identification", project.identification, partial(identification, project, settling, workers)),
+        ("scenarios", asks_for_scenarios(project), partial(scenarios, statics)),
+        ("sensitivity", project.sensitivity, partial(sensitivity, statics)),
+        ("campaign", project.campaign, partial(campaign, statics, draft.read.motions.campaign, scans)),
+    )
+    for name, make in ((name, make) for name, asked, make in made if asked):
         study = Study()
         draft.put(**{name: make(study)})
         draft.took(name, study.seconds)

@@ -334,16 +334,9 @@ def _row(line: Line, words: language.Words, digits: int) -> Row:
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
 _SIGNS = {
-    "sqrt": "√",
-    "log": "ln",
-    "pi": "π",
-    "eta": "η",
-    "alpha": "α",
-    "Gamma": "Γ",
-    "gamma": "γ",
-    "psi": "ψ",
-}
-_SIGNS |= {"xi": "ξ", "Sigma": "Σ", "delta": "δ", "zeta": "ζ", "theta": "θ", "lambda": "λ"}
+    "sqrt": "√", "log": "ln", "pi": "π", "eta": "η", "alpha": "α", "Gamma": "Γ", "gamma": "γ", "psi": "ψ", "xi": "ξ",
+    "Sigma": "Σ", "delta": "δ", "zeta": "ζ", "theta": "θ", "lambda": "λ",
+}  # fmt: skip
 # names whose parts are no subscripts: sums over the weights that move, and an index of D.M. 58/2017
 _WHOLE = {
     "Sigma_P": "ΣP",

@@ -121,8 +121,9 @@ def _campaign(results: Results, words: Words) -> Iterator[Markup]:
         if not each.share or was is None or after is None or loss.dynamic is None:
             continue
         indistinct, pair = loss.distinguishable is False, (loss.dynamic, static or 0.0)
-        # one a gain, both of them more than nothing as they are printed
-        opposed = pair[0] * pair[1] < 0.0 and min(map(abs, pair)) >= ONE_PER_CENT and loss.distinguishable
+        # one a gain, both of them more than nothing as they are printed; not where motions do both
+        opposed = pair[0] * pair[1] < 0.0 and min(map(abs, pair)) >= ONE_PER_CENT
+        opposed = opposed and loss.distinguishable is True and not loss.directions
         kind = "alone" if static is None else "opposed" if opposed else "beside"
         measure = "PGA" if each.by_pga else words.plain("judgement.campaign_sa")
         what = {"settlement": settlement, "share": words.comma(f"{100.0 * each.share:g}"), "measure": measure}

@@ -66,14 +66,13 @@ def verification(results: Results) -> Found:
     found = [check for _, _, each in capacities(results) for check in each.checks.values()]
     known = any(check.return_period_years for check in found)  # by the hazard curve
     columns = [key for key in VERIFICATION.split() if known or key != "return_period_years"]
+    drawn = results.states.get(ORIGINAL)
     for name, state in results.states.items():
         for direction, capacity in state.capacity.items():
             for limit, check in capacity.checks.items():
                 row: Row = {"state": name, "direction": direction, "limit_state": limit}
                 row |= cells(check, columns) | {"mechanism": mechanism_text(capacity.mechanism)}
-                original = (
-                    results.states[ORIGINAL].capacity.get(direction) if ORIGINAL in results.states else None
-                )
+                original = drawn.capacity.get(direction) if drawn else None
                 if name != ORIGINAL and original and limit in original.checks:
                     row["reduction"] = reduction(original.checks[limit].a_g_g, check.a_g_g)
                 yield row

@@ -148,6 +148,9 @@ def test_the_judgement_sets_the_loss_beside_the_static_one_and_remarks_opposite_
     for row in results["campaign"]["loss"]:
         row["static"] = static
     assert f"campaign_{key}" in hold(results)
+    for row in results["campaign"]["loss"]:  # one sign of the records gains too
+        row["directions"] = {"+x": row["dynamic"], "-x": -0.1}
+    assert "campaign_opposed" not in hold(results)
 
 
 def test_a_loss_of_fewer_than_three_records_has_no_bounds_of_95_per_cent():

@@ -125,7 +125,7 @@ def _campaign(kind: str, said: Fields, read: Read) -> Fields:
     (first, *_, last), loss = read.shares("fragility", said), read.shares("loss", said)[-1]
     static, dynamic = loss["static"], loss["dynamic"]
     opposed = static is not None and static * dynamic < 0.0 and min(abs(static), abs(dynamic)) >= 0.01
-    opposed = opposed and loss["distinguishable"] is True
+    opposed = opposed and loss["distinguishable"] is True and not loss.get("directions")
     assert (
         kind == ("alone" if static is None else "opposed" if opposed else "beside") and first["share"] == 0.0
     )
