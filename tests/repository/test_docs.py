@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from assessment.app.answers import page_words
+from assessment.app.server import page_words
 from assessment.cli import main as cli
 from assessment.project.catalogue.new_project import TEMPLATES, new_project
 from assessment.project.project import json_schema, load_project

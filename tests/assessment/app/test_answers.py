@@ -11,9 +11,9 @@ import tomllib
 import ezdxf
 import pytest
 
-from assessment.app.answers import ANSWERS
 from assessment.app.editing import ConflictError
 from assessment.app.pictures import record_picture
+from assessment.app.server import ANSWERS
 from assessment.app.session import Session
 from assessment.app.worker import Worker, WorkerError
 from assessment.cli.main import main
