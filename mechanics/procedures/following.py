@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, array_of, is_number, require
+from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, is_number, require
 from mechanics.messages import Message
 from mechanics.model.assembly import Assembly, Behaviour, State
 from mechanics.procedures.step_control import Bisection
-from mechanics.procedures.support_movement import FALLS, Led, whole_movement
+from mechanics.procedures.support_movement import FALLS, Led, checked_target, whole_movement
 from mechanics.steps.equilibrium import check_self_weight, reaction
 from mechanics.steps.rest import come_down
 from mechanics.steps.static_step import Equilibrium
@@ -25,10 +25,10 @@ class Following:
 
     On a straight way from the drawing they are those of `pushdown` with the same `increment` (m, of the largest
     component of the movement or of the arc at the support's farthest corner); `release` does what `pushdown` does in
-    the end. `reached` (3,): movement x, z (m) and rotation (rad, about the
-    support's drawn centroid) of the last `equilibrium`; `fallen`: whether the structure falls on the way beyond it, and
-    `stopped`: why the way ends there (None: it does not). Raises UnstableError if the structure as drawn cannot stand,
-    ArgumentError for an argument out of its range.
+    the end. `reached` (3,): movement x, z (m) and rotation (rad, about the support's drawn centroid) of the last
+    `equilibrium`; `fallen`: whether the structure falls on the way beyond it, and `stopped`: why the way ends there
+    (None: it does not). Raises UnstableError if the structure as drawn cannot stand, ArgumentError for an argument out
+    of its range.
     """
 
     fallen: bool
@@ -84,11 +84,7 @@ class Following:
 
     def aim(self, displacement: ArrayLike, rotation: float = 0.0) -> None:
         """Set the target of the next steps; what has stopped them before counts no more."""
-        shift = array_of("displacement", displacement, "(x, z) in m")
-        fits = shift.shape == (2,) and bool(np.isfinite(shift).all())
-        require(fits, "displacement", displacement, "(x, z) in m")
-        require(is_number(rotation) and abs(rotation) < np.inf, "rotation", rotation, "finite, in rad")
-        self._target, self._steps = np.array([*shift, rotation]), Bisection(self.increment)
+        self._target, self._steps = checked_target(displacement, rotation), Bisection(self.increment)
         self.fallen, self.stopped = False, None
 
     def advance(self) -> bool:

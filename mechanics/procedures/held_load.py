@@ -19,7 +19,8 @@ from mechanics.steps.static_system import Sliding
 from mechanics.types import GRAVITY, Array, Mask
 
 GROWS = 10.0  # √(L/g), L the extent of the structure: time in which a load grows
-HOLDS = 5  # √(L/g): time that it stays then, and again until all rests, up to so many times
+HOLDS = 5  # √(L/g): time that it stays then, and up to so many times as long until all rests
+SPENT = 0.01  # of the kinetic energy of a kick: with less, and ever less, what was kicked rests before
 STEP = 0.01  # √(L/g): time step
 DAMPED = 0.1  # of critical: elastic joints, which lose nothing at impacts
 RESOLVED = 0.95  # ratio of multipliers that are not told apart
@@ -39,11 +40,11 @@ def stands(
     model = model.uncrushed if contacts == "rigid" else model
     step = STEP * np.sqrt(np.ptp(model.initial.positions[:, :2], axis=0).max() / GRAVITY)
     grows = np.linspace(0.0, acceleration, round(GROWS / STEP) + 1)
-    stays = np.full(round(HOLDS / STEP) + 1, acceleration)
+    stays = np.full(round(1.0 / STEP) + 1, acceleration)
     damping = DAMPED if contacts == "elastic" and first_frequency(model) else 0.0
-    begun = state.positions
-    loads = [grows] if acceleration else []
-    for load in (*loads, *HOLDS * [stays]):
+    begun, kicked = state.positions, 0.5 * float((model.mass * state.velocities**2).sum())
+    for held in range(0 if acceleration else 1, HOLDS**2 + 1):
+        load = stays if held else grows
         try:
             with stretch(1.0, 1.0):  # the path is there
                 motion = time_history(
@@ -53,7 +54,9 @@ def stands(
             return False
         if motion.collapsed:
             return False
-        if load is stays and not motion.speed_at_end:
+        early, late = (float(part.max()) for part in np.array_split(motion.energy.kinetic, 2))
+        spent = late < early and late < SPENT * kicked
+        if held and not motion.speed_at_end and (spent or held >= HOLDS):
             return True
         state = motion.final
     return model.farthest(begun, state.positions) <= model.size

@@ -222,7 +222,7 @@ class _Path:
             self.crossed.append((here, at))
         if self.final is None and self.applied:
             self._settle()
-        elif self.final is not None and self._moves_as_a_whole(by):
+        elif self.final is not None and self._moves_as_a_whole():
             self.end = message("the structure moves with its support as a whole")
         if self.end is None and at == self.limit:
             self.end = message("the whole movement is applied")
@@ -299,16 +299,16 @@ class _Path:
             return
         self.final = rested.state
 
-    def _moves_as_a_whole(self, by: float) -> bool:
-        """Whether in the last step, of `by` (m), every block went along with the support and rests on no other."""
-        moved, last = self.moving.translation(by), self.steps[-1]
+    def _moves_as_a_whole(self) -> bool:
+        """Whether in the last step every block went along with the (first) support and rests on no other."""
+        before, last = self.steps[-2:]
         elsewhere = ~self.model.movable
         elsewhere[self.index] = False
         beside = elsewhere[last.contacts.a] | elsewhere[last.contacts.b]
-        if moved is None or (beside & (last.forces[:, 0] > last.system.least_force)).any():
+        if (beside & (last.forces[:, 0] > last.system.least_force)).any():
             return False
-        before, after = (step.state.positions for step in self.steps[-2:])
-        apart = abs((after - before)[self.model.movable] - [*moved, 0.0]).max()
+        moved = last.state.positions - before.state.positions
+        apart = abs(moved[self.model.movable] - moved[self.index[0]]).max()
         return bool(apart < USABLE * float(abs(moved).max()))
 
     def result(self) -> Pushdown:

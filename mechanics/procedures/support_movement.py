@@ -36,11 +36,7 @@ def checked_movement(
     model: Assembly, support: str, displacement: ArrayLike, rotation: float
 ) -> SupportMovement:
     """Return the whole movement of a support. Raises ArgumentError if it is none."""
-    target = array_of("displacement", displacement, "(x, z) in m")
-    require(
-        target.shape == (2,) and bool(np.isfinite(target).all()), "displacement", displacement, "(x, z) in m"
-    )
-    require(is_number(rotation) and abs(rotation) < np.inf, "rotation", rotation, "finite, in rad")
+    target = checked_target(displacement, rotation)[:2]
     full = whole_movement(model, support, target, rotation)
     arc = whole_movement(model, support, np.zeros(2), rotation)
     least = STEP.rounding * model.size
@@ -48,6 +44,15 @@ def checked_movement(
         max(full, arc) > least, "displacement", displacement, f"with the rotation, more than {least:.1g} m"
     )
     return SupportMovement(support, (float(target[0]), float(target[1])), rotation)
+
+
+def checked_target(displacement: ArrayLike, rotation: float) -> Array:
+    """Return where a support moves to: x, z (m) and rotation (rad), (3,). Raises ArgumentError for no numbers."""
+    shift = array_of("displacement", displacement, "(x, z) in m")
+    fits = shift.shape == (2,) and bool(np.isfinite(shift).all())
+    require(fits, "displacement", displacement, "(x, z) in m")
+    require(is_number(rotation) and abs(rotation) < np.inf, "rotation", rotation, "finite, in rad")
+    return np.array([*shift, rotation])
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,13 +96,6 @@ class Movements:
             )
         return positions
 
-    def translation(self, by: float) -> Array | None:
-        """Return how far (2,) a movement of `by` (m) takes the support; None where several move, or one turns."""
-        one = self.movements[0]
-        if len(self.movements) > 1 or one.rotation:
-            return None
-        return by / self.full * np.array(one.displacement)
-
     @property
     def lever(self) -> float:
         """Ratio, 1 or more, of the longest way of the supports' corners to the movement: a rotation may exceed it."""
@@ -109,8 +107,7 @@ class Movements:
 class Led:
     """A structure whose supports are led: its `last` equilibrium, and its `rate` (b, 3) per metre of their movement.
 
-    `slid`: whether a joint has slid so far: what turns alone has one set of forces, and stands up to its last
-    equilibrium.
+    `slid`: whether a joint has: what turns alone has one set of forces, and stands up to its last equilibrium.
     """
 
     def __init__(self, system: StaticSystem, begun: State) -> None:
