@@ -56,7 +56,7 @@ def stands(
             return False
         early, late = (float(part.max()) for part in np.array_split(motion.energy.kinetic, 2))
         spent = late < early and late < SPENT * kicked
-        if held and not motion.speed_at_end and (spent or held >= HOLDS):
+        if held and (spent or (held >= HOLDS and not motion.speed_at_end)):
             return True
         state = motion.final
     return model.farthest(begun, state.positions) <= model.size
