@@ -1,8 +1,11 @@
 """Indices of D.P.C.M. 9/2/2011 and D.M. 58/2017, and the thresholds of NTC 2018, §8.4, by hand."""
 
 import pytest
+from scipy.optimize import brentq
 
 from assessment.ntc.tables import (
+    CLASSES,
+    COMPONENTS,
     attained,
     confidence_factor,
     expected_annual_loss,
@@ -54,6 +57,17 @@ def test_classes_of_is_v(zeta, expected):
     assert heritage_and_risk_indices(zeta, 1.0, zeta, "II").IS_V_class == expected
 
 
+@pytest.mark.parametrize(
+    ("most", "within"),
+    [(0.005, "A+"), (0.01, "A"), (0.015, "B"), (0.025, "C"), (0.035, "D"), (0.045, "E"), (0.075, "F")],
+)
+def test_classes_of_pam(most, within):
+    """D.M. 58/2017, Tab. 1: the largest PAM of each class; capacities of one return period at SLD and SLV have it."""
+    for share, expected in ((0.9999, within), (1.0001, CLASSES[CLASSES.index(within) + 1])):
+        T = brentq(lambda years, pam=share * most: expected_annual_loss(years, years)[0] - pam, 10.0, 1e4)
+        assert heritage_and_risk_indices(1.0, 1.0, 1.0, "II", T, 475.0, T).PAM_class == expected
+
+
 def test_unknown_return_periods_leave_their_indices_out():
     found = heritage_and_risk_indices(0.1, 0.2, 0.5, "II")
     assert (found.I_S, found.acceptable_nominal_life_years, found.PAM, found.risk_class) == (
@@ -100,3 +114,12 @@ def test_confidence_factor_by_hand():
     found = confidence_factor(None, parts)
     assert found.result == pytest.approx(1.26)
     assert found.formula == "1 + F_C1 + F_C2 + F_C3 + F_C4"
+    told = {
+        "geometry": (5, 0),
+        "construction": (12, 6, 0),
+        "mechanical": (12, 6, 0),
+        "ground": (6, 3, 0),
+    }  # Tab. 4.1
+    assert {
+        name: tuple(round(100.0 * each, 9) for each in values) for name, values in COMPONENTS.items()
+    } == told

@@ -86,19 +86,24 @@ def test_limit_analysis_replaces_a_peak_of_another_flow(monkeypatch, dilation, s
     assert not path.take_least_flow()
 
 
-@pytest.mark.parametrize(("least", "told"), [(False, 0.6), (True, 0.45)])
-def test_a_motion_decides_on_what_limit_analysis_has_replaced(monkeypatch, least, told):
-    """A curve that rises up to its peak: only behind a point that limit analysis has placed it is asked for."""
-    model = block_on_base()
+@pytest.mark.parametrize(
+    ("contacts", "least", "told"), [("rigid", False, 0.6), ("rigid", True, 0.45), ("elastic", True, 0.45)]
+)
+def test_a_motion_decides_on_what_limit_analysis_has_replaced(monkeypatch, contacts, least, told):
+    """A curve that rises up to its peak: only behind a point that limit analysis has placed it is asked for.
+
+    Its joints are those of the curve.
+    """
+    model = block_on_base(stiffness=1e8)
     push = PushInput(np.array([0.0, 1.0]), "+x", 0.01, 0.0, PUSHOVER)
-    path = PushPath(push, static_system(model, "rigid", "coulomb"), None)
+    path = PushPath(push, static_system(model, contacts, "coulomb"), None)
     step = path.points[0].step
     path.points = [
         PushPoint(replace(step, alpha=alpha), 0.01 * k, least=least and k == 2)
         for k, alpha in enumerate((0.3, 0.4, 0.5, 0.6, 0.2))
     ]
     monkeypatch.setattr(PushPath, "limit_at", lambda *_: None)
-    monkeypatch.setattr(held_load, "stands", lambda *given: -given[-1] <= 0.45)
+    monkeypatch.setattr(held_load, "stands", lambda *given: given[1] == contacts and -given[-1] <= 0.45)
     assert path.peak_that_counts()[1] == pytest.approx(told, rel=0.05)
 
 
