@@ -4,7 +4,7 @@ Measurements of a project are gauges on its assembly.
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -84,36 +84,34 @@ class StateModel:
 
 def state_models(project: Project, drawn: Assembly) -> dict[str, StateModel]:
     """Return the assembly of every state by name; `drawn`: without ties. Raises ProjectError for a wrong one."""
+    bars = {table.name: _bar(project, drawn, table) for table in project.tie}
     known: dict[tuple[str, ...], Assembly] = {(): drawn}
     found = {}
     for name in project.states:
-        there, later = project.ties_of(name)
-        names = tuple(tie.name for tie in there)
-        if names not in known:  # one assembly for all states of the same ties
-            known[names] = _tied(project, drawn, there)
-        found[name] = StateModel(name, known[names])
+        there, later = (tuple(tie.name for tie in ties) for ties in project.ties_of(name))
+        if there not in known:  # one assembly for all states of the same ties
+            known[there] = drawn.tied([bars[tie] for tie in there])
+        found[name] = StateModel(name, known[there])
         if made := project.strengthening_of(name):
-            changed = _with_changed_layers(project, known[names], made)
-            strengthened = _tied(project, changed, (*there, *later))
-            found[name] = StateModel(name, known[names], strengthened, len(later))
+            changed = _with_changed_layers(project, known[there], made)
+            strengthened = changed.tied([bars[tie] for tie in (*there, *later)])
+            found[name] = StateModel(name, known[there], strengthened, len(later))
     return found
 
 
-def _tied(project: Project, model: Assembly, tables: Iterable[TieTable]) -> Assembly:
-    """Return the assembly with ties. Raises ProjectError for one that does not join two of its blocks."""
-    ties = []
-    for each in tables:
-        key = f"{project.source}: tie.{each.name}"
-        blocks = [masonry.block_at(model, f"{key}.{end}", getattr(each, end)) for end in ("from_m", "to_m")]
-        if blocks[0] == blocks[1]:
-            raise ProjectError(f"{key}.to_m: both ends are in block {blocks[0]}; write a point of another")
-        if not model.movable[blocks].any():
-            text = "both ends are in supports, between which a tie bears nothing; write a point of a movable block"
-            raise ProjectError(f"{key}.to_m: {text}")
-        bar = (each.yield_force_kN, each.stiffness_kN_m, each.pretension_kN)
-        most = each.ultimate_elongation
-        ties.append(Tie(each.name, each.from_m, each.to_m, *bar, ultimate_elongation=most))
-    return model.tied(ties)
+def _bar(project: Project, model: Assembly, table: TieTable) -> Tie:
+    """Return a tie between two blocks of a model. Raises ProjectError for one that does not join two of them."""
+    key = f"{project.source}: tie.{table.name}"
+    blocks = [masonry.block_at(model, f"{key}.{end}", getattr(table, end)) for end in ("from_m", "to_m")]
+    if blocks[0] == blocks[1]:
+        raise ProjectError(f"{key}.to_m: both ends are in block {blocks[0]}; write a point of another")
+    if not model.movable[blocks].any():
+        text = (
+            "both ends are in supports, between which a tie bears nothing; write a point of a movable block"
+        )
+        raise ProjectError(f"{key}.to_m: {text}")
+    bar = (table.yield_force_kN, table.stiffness_kN_m, table.pretension_kN)
+    return Tie(table.name, table.from_m, table.to_m, *bar, ultimate_elongation=table.ultimate_elongation)
 
 
 def _with_changed_layers(project: Project, model: Assembly, made: StrengtheningTable) -> Assembly:

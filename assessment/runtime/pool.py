@@ -24,6 +24,7 @@ CELLS = 1024  # more than there are processes
 NOTHING = -1.0  # in a cell: no task is at work
 _held: list[Any] = []  # in a process of a pool: what all of them were given
 _board: list[Any] = []  # in a process of a pool: its cells, see Pool.shares
+KILLED = "a process of the run was ended from outside, as where memory runs out (--jobs 1 takes least)"
 LOST = "the Dask scheduler or its workers were lost; start them and run again"
 ANSWER = 10.0  # s: until a scheduler has taken us on
 CLOSING = 2.0  # s that the library has for leaving the cluster in good order
@@ -53,8 +54,7 @@ class Pool:
         if processes:
             with suppress(OSError):
                 self._board = [multiprocessing.RawArray("d", [NOTHING] * CELLS)]
-            own = (held, self._board)
-            self._executor = ProcessPoolExecutor(processes, initializer=_begin, initargs=own)
+            self._executor = ProcessPoolExecutor(processes, initializer=_begin, initargs=(held, self._board))
 
     def submit(self, function: Callable[[*Arguments], Result], *arguments: *Arguments) -> Future[Result]:
         """Start function(*arguments), at once without processes. Raises KilledError where a process was killed."""
@@ -133,9 +133,7 @@ def result_of(future: Future[Result]) -> Result:
 def _ended(error: BrokenProcessPool) -> Exception:
     if error.__cause__ is not None:  # a result that cannot be sent: a bug
         return error
-    return KilledError(
-        "a process of the run was ended from outside, as happens where memory runs out (--jobs 1 takes least)"
-    )
+    return KilledError(KILLED)
 
 
 def _apply(function: Callable[..., Result], arguments: tuple[Any, ...]) -> Result:
@@ -151,9 +149,9 @@ def _begin(held: Any, board: list[Any]) -> None:
     if hasattr(signal, "SIGHUP"):
         signal.signal(signal.SIGHUP, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
-    assert parent is not None
 
     def follow() -> None:
+        assert parent is not None
         parent.join()
         os._exit(1)
 
@@ -169,6 +167,7 @@ class Cluster(Pool):
     def __init__(self, address: str) -> None:
         try:
             from distributed import Client
+            from distributed.comm.addressing import resolve_address
         except ImportError:
             text = 'dask.distributed is not installed; install it: pip install "assesto[cluster]"'
             raise ProjectError(f"--scheduler: {text}") from None
@@ -176,7 +175,8 @@ class Cluster(Pool):
 
         def connect() -> None:
             with suppress(Exception):  # what an address of another kind raises is up to its library
-                found.append(Client(address, timeout=ANSWER, set_as_default=False))  # type: ignore[no-untyped-call]
+                at = resolve_address(address)  # a client of none would end with a traceback of its own
+                found.append(Client(at, timeout=ANSWER, set_as_default=False))  # type: ignore[no-untyped-call]
 
         thread = threading.Thread(target=connect, daemon=True)
         thread.start()

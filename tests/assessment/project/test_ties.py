@@ -10,6 +10,7 @@ from assessment.project.model import build_model
 from assessment.project.project import ProjectError, load_project
 from assessment.results.frames import determined
 from assessment.runtime.tasks import Workers
+from assessment.workflow.run import select
 from tests import ROOT
 from tests.support.block_project import PROJECT, TURNED, block, write_block
 from tests.support.tied_project import STRENGTHENED, TIE, strengthening, tie
@@ -76,6 +77,13 @@ WRONG = {  # what is added to the project of the block, and what is said
 def test_a_tie_that_is_none_is_refused(tmp_path, case):
     added, said = WRONG[case]
     assert said in refused(tmp_path, PROJECT + added)
+
+
+def test_a_tie_of_a_state_that_is_not_run_is_refused_too(tmp_path):
+    """`--only pushdown` leaves the strengthened state out: the point was told as that of a control, without file."""
+    write_block(tmp_path, PROJECT + STRENGTHENED.replace("4.0]", "9.0]"))
+    with pytest.raises(ProjectError, match=r"project.toml: tie.chain.\w+: \["):
+        build_model(select(load_project(tmp_path), ["pushdown"]))
 
 
 def test_a_strengthened_state_that_nothing_pushes_is_refused(tmp_path):

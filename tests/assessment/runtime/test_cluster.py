@@ -90,11 +90,20 @@ def test_no_scheduler_at_the_address_is_told(monkeypatch):
         mute = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
         for address, error in (
             ("tcp://127.0.0.1:1", ProjectError),
-            ("nowhere", ProjectError),
             (mute, KilledError),
         ):
             with pytest.raises(error, match=f"--scheduler: {address}: no Dask scheduler answers"):
                 Cluster(address)
+
+
+@pytest.mark.parametrize("address", ["nowhere", "http://nowhere:1", "tcp://nowhere"])
+def test_of_what_is_no_address_of_a_scheduler_no_client_is_made(address, monkeypatch):
+    """It ended with a traceback of its own, 20 s later."""
+    made = []
+    monkeypatch.setattr("distributed.Client", lambda *_, **__: made.append(1))
+    with pytest.raises(ProjectError, match=f"--scheduler: {address}: no Dask scheduler answers"):
+        Cluster(address)
+    assert not made
 
 
 def test_a_single_analysis_is_given_to_the_scheduler_too():
