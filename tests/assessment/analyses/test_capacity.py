@@ -13,12 +13,13 @@ m = (H/2) cos φ + c sin φ, and its variance v = (H cos φ)² (n² − 1)/(12 n
 from itertools import pairwise
 from math import atan, cos, sin, tan
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from assessment.analyses import capacity
-from assessment.analyses.capacity import CONTRADICTION, _elastic_end, assess, nominal_check, told
+from assessment.analyses.capacity import _apart, _elastic_end, assess, nominal_check, told
 from assessment.analyses.demand import Demands
 from assessment.ntc.capacity_curve import capacity_curve, fit_rigid
 from assessment.ntc.spectrum import ElasticSpectrum
@@ -150,7 +151,7 @@ def capacities(tmp_path_factory):
 @pytest.mark.parametrize(("share", "refused"), [(0.9, False), (1.1, True)])
 def test_a_mechanism_that_virtual_work_contradicts_has_no_capacity(capacities, share, refused):
     def contradict(curves):
-        alpha = (1.0 + share * CONTRADICTION) * curves.rigid.mechanism.alpha
+        alpha = (1.0 + share * 0.5) * curves.rigid.mechanism.alpha
         return curves.replace(rigid=curves.rigid.replace(virtual_work_alpha=alpha))
 
     found, warnings = capacities(contradict)
@@ -195,6 +196,14 @@ def test_a_first_mechanism_that_rocks_by_the_other_law_leaves_that_law_out(capac
 
     found, _ = capacities(other)
     assert found["+x"].other_law is None
+
+
+@pytest.mark.parametrize(("other", "said"), [(0.985, 0), (1.015, 0), (0.975, 1), (1.025, 1)])
+def test_ratios_by_two_laws_are_told_apart_from_two_per_cent_on(other, said):
+    checks = [
+        {"SLV": SimpleNamespace(zeta_E=ratio), "SLC": SimpleNamespace(zeta_E=None)} for ratio in (1.0, other)
+    ]
+    assert len(_apart(*checks)) == said
 
 
 def test_an_elastic_pushover_that_failed_is_not_asked_for_again(capacities):

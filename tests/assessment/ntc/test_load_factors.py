@@ -91,7 +91,7 @@ def test_vertical_leading_governs_beyond_077_g():
     [
         (("vertical_load_kN = 6.0", "vertical_load_kN = 6.0\nload_has_mass = false"), "left out"),
         (("friction = 0.7", "friction = 0.7\ncompressive_strength_kN_m2 = 3000.0"), "left out"),
-        (("ag_g = 0.261", "ag_g = 0.14"), "not needed"),
+        (("ag_g = 0.261", "ag_g = 0.149"), "not needed"),
     ],
 )
 def test_vertical_component_that_is_not_checked_is_told(tmp_path, replaced, key):
@@ -99,6 +99,11 @@ def test_vertical_component_that_is_not_checked_is_told(tmp_path, replaced, key)
     assert "vertical" not in found["states"]["original"]["capacity"]["+x"]
     [told] = vertical_sentences(typed(found), Words.of("en"))
     assert key in told
+
+
+def test_the_vertical_component_is_checked_from_0_15_g_on(tmp_path):
+    found = results(project(tmp_path, ("ag_g = 0.261", "ag_g = 0.151")))
+    assert found["states"]["original"]["capacity"]["+x"]["vertical"]["a_v_g"] > 0.0
 
 
 def test_lighter_weights_scale_the_multiplier():
