@@ -49,6 +49,10 @@ def test_a_block_slides_past_an_edge():
     assert loss.displacement_m == pytest.approx(0.4)
     assert (loss.joint, loss.blocks, loss.overlap_m) == (0, [0, 1], pytest.approx(0.4))
     assert local_loss(model, states[:4], ways[:4], normal[:4], falls=True) is None
+    for left, lost in ((0.03, False), (0.01, True)):  # of its bearing, where the structure falls
+        ends = model.initial.positions + np.array([[0, 0, 0], [0.4 * (1.0 - left), 0, 0]])
+        found = [states[0], replace(model.initial, positions=ends)]
+        assert (local_loss(model, found, np.array([0.0, 0.4]), normal[:2], falls=True) is not None) is lost
     # a joint that bears nothing loses nothing
     assert local_loss(model, states, ways, 0.0 * normal, falls=True) is None
     assert "perdere l’appoggio a d = 0,4 m" in in_italian(loss_sentence(loss))

@@ -12,7 +12,7 @@ from scipy.special import ndtr
 from assessment.analyses import scan as scans
 from assessment.analyses.fragility import Observed, RecordLevel, observed, over_records
 from assessment.analyses.histories import Scatter
-from assessment.analyses.scan import CERTAIN, CLOSEST, DOWN, SPACING, Reach, scan, scan_levels
+from assessment.analyses.scan import Reach, scan, scan_levels
 from assessment.analyses.time_history import Setting, Shaking
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, MotionTable
@@ -23,6 +23,7 @@ from tests.support.structures import block_on_base, rectangle
 from tests.support.wording import in_italian
 
 RATIO = 1.05
+SPACING, DOWN, CERTAIN, CLOSEST = 1.05, 0.7, 2, 0.0125  # of the analysis: see there
 
 
 class Trial:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from assessment.analyses.scan import Reach, Scan
+from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.results.schema.dynamic import CampaignCombination, Level
@@ -337,6 +338,17 @@ def test_records_are_made_to_the_spectrum_of_the_site(block, monkeypatch):
     assert spectrum["lowest_deviation"] == pytest.approx(deviation.min())
     assert not any(row["collapsed"][0] for row in found["combinations"])
     assert all(row["median_g"] is None for row in found["fragility"])  # nothing fell
+
+
+@pytest.mark.parametrize(("factor", "within"), [(0.89, False), (0.91, True), (1.29, True), (1.31, False)])
+def test_a_mean_spectrum_is_that_of_the_site_from_a_tenth_below_to_three_tenths_above(
+    monkeypatch, factor, within
+):
+    target = ElasticSpectrum(0.25, 2.4, 0.3)
+    monkeypatch.setattr(campaign, "spectrum_of", lambda _, periods: factor * target.acceleration(periods))
+    found = campaign.compatibility("SLV", target, [None], SimpleNamespace(periods_s=(0.15, 2.0)))
+    assert found.lowest_deviation == pytest.approx(factor - 1.0) == found.highest_deviation
+    assert found.within is within
 
 
 @pytest.mark.parametrize(

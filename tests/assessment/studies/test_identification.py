@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from assessment.project.model import Gauge, readings
+from assessment.results.schema.studies import Explanation
 from assessment.runtime.cache import Store
 from assessment.runtime.tasks import Workers
 from assessment.studies import identification as search_module
@@ -143,6 +144,24 @@ def test_a_crack_that_is_not_there_tells_two_hypotheses_apart(identify, tmp_path
     assert right.distinguished and right.aic > left.aic + 2.0
 
 
+def test_hypotheses_are_told_apart_by_more_than_two_of_aic(monkeypatch, tmp_path):
+    """Burnham and Anderson (2002)."""
+    told = iter((10.0, 11.9, 12.1))
+
+    def explained(_, search, unknowns):
+        return Explanation(
+            hypothesis=unknowns.title, unknowns=1, movement=[], chi_squared=1.0, degrees_of_freedom=1, probability=0.5,
+            aic=next(told), distinguished=False, undetermined=[], kinked=[], contradicting=[], at_collapse=False,
+            fit=[], configuration=None,
+        )  # fmt: skip
+
+    monkeypatch.setattr(search_module, "_explained", explained)
+    asked = '[{ destro = ["x"] }, { sinistro = ["x"] }, { destro = ["z"] }]'
+    with Workers(jobs=1) as workers:
+        found, _ = identified(write_surveyed(tmp_path, asked, *synthetic_zero()), workers)
+    assert [each.distinguished for each in found.hypotheses] == [False, False, True]
+
+
 def test_a_movement_that_no_measurement_shows_is_named(identify, model, tmp_path):
     """Above the springing nothing tells a rotation of the pier from a movement of its support."""
     places = [("crown", "crack", CROWN), ("left", "crack", LEFT), ("crown again", "crack", CROWN)]
@@ -155,11 +174,14 @@ def test_a_movement_that_no_measurement_shows_is_named(identify, model, tmp_path
 
 def test_the_measurement_that_contradicts_the_rest_is_named(identify, model, tmp_path):
     wrong = entry("foot again", "foot", (0.27, 0.10), -2.0)
+    lean = measured(model, "lean", PIER, UPRIGHT)
+    leans = [entry(f"{off} σ", "lean", PIER, lean + 0.2 * off) for off in (2.9, 3.1)]
     found, study = identify(
-        write_surveyed(tmp_path, DOES_NOT_TURN, *synthetic(model, PLACES, UPRIGHT), wrong)
+        write_surveyed(tmp_path, DOES_NOT_TURN, *synthetic(model, PLACES, UPRIGHT), wrong, *leans)
     )
     [explained] = found.hypotheses
-    assert "foot again" in explained.contradicting and "crown" not in explained.contradicting
+    assert {"foot again", "3.1 σ"} <= {*explained.contradicting}
+    assert not {"crown", "2.9 σ"} & {*explained.contradicting}
     assert any("foot again contradicts the rest" in text for text in study.findings)
     assert any("does not explain the measurements" in text for text in study.findings)
 
