@@ -204,8 +204,8 @@ class AssessmentTable(ProjectTable):
     )
     circular: Literal[2019, 2009] = entry("circular whose rules apply: 2019 or 2009", 2019)
     record_demand: Literal["at_period", "maximum"] = entry(
-        "displacement demand of a record: maximum over [T_0, T] (circular), or at_period T, as in the paper",
-        "maximum",
+        "displacement demand of a record: at_period T, as in the paper, or maximum over [T_0, T] (circular)",
+        "at_period",
     )
     local_displacement_limit_m: kinds.Length | None = absent(
         "displacement of the control point, m, at a local loss such as a beam unseating"

@@ -408,7 +408,6 @@ limit_states = ["SLC"]
 confidence_factor = 1.0
 model = "none"
 spectrum = "record"
-record_demand = "at_period"
 
 """
 

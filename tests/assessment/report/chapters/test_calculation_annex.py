@@ -64,8 +64,8 @@ VARIANTS = {
     "level of knowledge": "[assessment]\nconfidence_factor = 1.2\n" + TYPED + '[assessment.knowledge]\nlevel = "LC2"\n',
     "2009": "[assessment]\ncircular = 2009\n" + TYPED,
     "floor, 2009": "[assessment]\ncircular = 2009\n" + TYPED + FLOOR.partition("higher")[0],
-    "record": '[assessment]\nspectrum = "record"\nrecord_demand = "at_period"\n' + RECORD,
-    "record, maximum, site": '[assessment]\nspectrum = "record"\n' + TYPED + RECORD,
+    "record": '[assessment]\nspectrum = "record"\n' + RECORD,
+    "record, maximum, site": '[assessment]\nspectrum = "record"\nrecord_demand = "maximum"\n' + TYPED + RECORD,
 }  # fmt: skip
 
 
