@@ -17,6 +17,7 @@ from mechanics import (
     pushover,
     time_history,
 )
+from mechanics.procedures.collapse import passing_through
 from mechanics.steps.static_system import static_system
 from tests.support.structures import built, on_base, outlines, rectangle, springing_arch
 
@@ -194,6 +195,14 @@ def test_without_collisions_it_passes_through_and_this_is_said():
     model = Assembly(neighbours().blocks, collisions=False)
     motion = time_history(model, np.zeros(400), 0.005, "rigid", toppling(model))
     assert any("passes through" in note for note in motion.notes)
+
+
+@pytest.mark.parametrize(("share", "passes"), [(0.009, False), (0.011, True)])
+def test_blocks_pass_through_each_other_from_a_hundredth_of_the_smaller_one_on(share, passes):
+    model = on_base(Material(20.0, 0.6), (-2.0, -0.5, 4.0), (0.0, 0.0, 1.0, 1.0), (1.0, 0.0, 3.0, 1.0))
+    assert (
+        bool(passing_through(model, model.initial.positions + np.outer([0, 1, 0], [share, 0, 0]))) is passes
+    )
 
 
 @pytest.mark.parametrize("contacts", ["rigid", "elastic"])
