@@ -395,7 +395,7 @@ def _met(outlines: Outlines, drawn: Contacts, edges: Index, at: Array) -> Contac
     found = between(outlines.blocks, a, b, faces, 0, edges, drawn.tolerance)
     # what touches within the tolerance as drawn does so without a gap, a wider one is a gap; blocks that are drawn into
     # each other by it do so at most twice as far; corners, which no stone has sharper, must overlap by it, and coincide
-    # where they are drawn within twice as much of each other
+    # where they are drawn within three times it of each other; within twice, some still stood on a face of the other
     centroid = np.array([block.centroid for block in outlines.blocks])
     drawing = np.column_stack([centroid, np.zeros(len(centroid))])
     places = found.places(drawing)
@@ -405,7 +405,7 @@ def _met(outlines: Outlines, drawn: Contacts, edges: Index, at: Array) -> Contac
     faces[:, [A1, B1]] += 0.5 * drawn.tolerance
     faces[:, [A2, B2]] -= 0.5 * drawn.tolerance
     wide = faces.copy()
-    wide[:, MEET] *= 2.0
+    wide[:, MEET] *= 3.0
     beta, phi = replace(found, faces=wide).places(drawing)[:, [BETA, PHI]].T
     beyond = np.where(touch & (beta > 0.0) & (beta < 1.0), (1.0 - 2.0 * beta) * wide[:, MEET], 0.0)
     faces[:, B2] -= np.where(phi <= LEVEL, beyond, 0.0)
