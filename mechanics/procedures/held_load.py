@@ -55,8 +55,9 @@ def stands(
         if motion.collapsed:
             return False
         early, late = (float(part.max()) for part in np.array_split(motion.energy.kinetic, 2))
-        spent = late < early and late < SPENT * kicked
-        if held and (spent or (held >= HOLDS and not motion.speed_at_end)):
+        spent = held > 1 and late < SPENT * kicked  # in the first the kick itself is the early part
+        rests = held >= HOLDS and not motion.speed_at_end
+        if late <= early and (spent or rests):  # what falls from a balance is slow at first
             return True
         state = motion.final
     return model.farthest(begun, state.positions) <= model.size

@@ -175,6 +175,28 @@ def test_what_slides_on_a_base_that_goes_on_for_ever_does_not_stand(contacts, al
     assert held_load.stands(model, contacts, "coulomb", model.initial, alpha) is holds
 
 
+@pytest.mark.parametrize(("width", "stiffness"), [(0.01, 1e8), (0.2, 3600.0), (5.0, 3060.0)])
+def test_an_elastic_block_released_where_it_balances_falls_however_slowly(width, stiffness):
+    """After 5 √(L/g) it moved by less than elastic joints tremble, faster from step to step, and was told to stand."""
+    model = block_on_base(width, 5.0 * width, stiffness=stiffness)
+    curve = pushover(model, (width, 5.0 * width), "+x", "elastic", 0.01 * width)
+    assert curve.reached_zero
+    before, balance = curve.states[-2:]
+    way = balance.positions - before.positions
+    assert not held_load.stands_kicked(model, "elastic", "coulomb", balance, way, held_load.KICKS[:1])
+
+
+def test_what_balances_beside_a_heavy_block_that_slides_falls():
+    """The heavy block had spent the kick, of which the column beside it had 1/5000: released it was told to stand."""
+    model = on_base(Material(20.0, 0.7), (-10.0, -0.5, 10.0), (-6.0, 0.0, -2.0, 6.0), (2.0, 0.0, 2.1, 2.0))
+    lean = math.atan(0.1 / 2.0)
+    positions, way = model.initial.positions.copy(), np.zeros_like(model.initial.positions)
+    positions[2] = (2.1, 0.5 * math.hypot(0.1, 2.0), -lean)
+    way[1], way[2] = (1.0, 0.0, 0.0), (0.1, 0.0, -0.1)
+    balance = replace(model.initial, positions=positions)
+    assert not held_load.stands_kicked(model, "rigid", "coulomb", balance, way, held_load.KICKS[:1])
+
+
 @pytest.mark.parametrize(("seed", "falls"), [(12, True), (66, True), (72, False)])
 def test_contact_dynamics_falls_and_stands_where_a_part_snaps_on_a_moving_support(seed, falls):
     """Without inertia the arches rest farther on: their ultimate movements were 0.726 and 0.516 m."""
