@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from mechanics.model.assembly import Assembly, State
     from mechanics.model.block import Block, Material, Tie
     from mechanics.model.drawing import Layer, read_drawing
-    from mechanics.procedures.following import Following
     from mechanics.procedures.limit_analysis import Limit, limit_analysis
     from mechanics.procedures.pushdown import Pushdown, pushdown
     from mechanics.procedures.pushover import Pushover, pushover
+    from mechanics.procedures.support_movement import Following
     from mechanics.procedures.time_history import TimeHistory, time_history
     from mechanics.records.record import Record, read_record
 
@@ -33,10 +33,10 @@ _NAMES = {  # by the module that has them
     "model.assembly": "Assembly State",
     "model.block": "Block Material Tie",
     "model.drawing": "Layer read_drawing",
-    "procedures.following": "Following",
     "procedures.limit_analysis": "Limit limit_analysis",
     "procedures.pushdown": "Pushdown pushdown",
     "procedures.pushover": "Pushover pushover",
+    "procedures.support_movement": "Following",
     "procedures.time_history": "TimeHistory time_history",
     "records.record": "Record read_record",
 }
