@@ -263,7 +263,7 @@ def _least(
         answer, other, tries = least(flowing.tobytes()), None, tries + 1
         if answer is not None:
             found = Solution(*answer, displacement, certify(program, *answer, displacement))
-            less = best is None or found.alpha < best.alpha * (1.0 - GOOD)
+            less = best is None or found.alpha < best.alpha - GOOD * max(1.0, abs(best.alpha))
             if less and found.certificate.worst(program.step) <= GOOD:
                 best, tries = found, 0
             if tries % LIMIT.turn == 0:

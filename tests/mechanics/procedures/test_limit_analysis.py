@@ -156,3 +156,17 @@ def test_tie_on_settled(seed):
     without = limit_analysis(model, state=settled, sliding=sliding).alpha
     with_tie = limit_analysis(model.tied([tie]), state=settled, sliding=sliding).alpha
     assert with_tie >= (1.0 - 1e-6) * without
+
+
+STONES = (  # corners on a grid of 0.5 m × 0.35 m
+    "20 22 12 11 01 00", "50 51 31 32 22 20", "11 12 02 01", "51 52 42 43 33 31", "12 13 03 02", "32 34 14 12",
+    "52 53 43 42", "13 14 04 03", "53 54 34 33",
+)  # fmt: skip
+
+
+def test_the_least_multiplier_of_a_mechanism_that_no_load_holds_is_found():
+    """α = −1e-11 was less than itself by a share of it, and the search went on without end."""
+    stones = [[(0.5 * int(x), 0.35 * int(z)) for x, z in stone.split()] for stone in STONES]
+    model = built(Material(20.0, 0.35), *stones, left=(-0.5, -0.3, 1.0, 0.0), right=(1.0, -0.3, 3.0, 0.0))
+    settled = pushdown(model, "right", (0.0168, -0.0559), rotation=-0.009, increment=0.002).final
+    assert limit_analysis(model, "+x", settled).alpha == pytest.approx(0.0, abs=1e-8)
