@@ -28,7 +28,7 @@ LINES = {
     "mechanics/procedures": 3657,
     "mechanics/records": 990,
     "mechanics/solvers": 933,
-    "mechanics/steps": 1805,
+    "mechanics/steps": 1804,
 }
 
 

@@ -59,6 +59,14 @@ def test_a_corner_that_meets_a_face_bears_nothing_before_it_has_crushed(sliding)
     assert touching == pytest.approx(apart, rel=1e-6)
 
 
+@pytest.mark.parametrize("strength", [300.0, 1e6])
+def test_a_block_on_two_corners_stands_on_what_they_have_crushed_and_slides_at_its_friction(strength):
+    """Drawn so it was told that it cannot stand, at any strength."""
+    feet = [(0.0, 0.0), (0.3, 0.3), (0.7, 0.3), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+    model = on_base(Material(20.0, 0.7, compressive_strength=strength), (-1.0, -0.5, 2.0), feet)
+    assert limit_analysis(model, "+x").alpha == pytest.approx(0.7, rel=1e-6)
+
+
 @pytest.mark.parametrize(("lip", "ledge"), [(0.0, 0.0), (0.1, 0.05), (0.0, 0.05)])
 def test_the_corner_of_a_springing_refuses_no_strength(lip, ledge):
     """Any strength was refused: a corner on a third block crushes at once where it is pressed, or bears a share.
