@@ -25,13 +25,8 @@ from markupsafe import escape
 Element = Any  # of lxml, which has no types
 HEADINGS = {"h2": "Heading 1", "h3": "Heading 2"}
 FORMATS = {
-    "b": "bold",
-    "strong": "bold",
-    "i": "italic",
-    "em": "italic",
-    "sub": "subscript",
-    "sup": "superscript",
-}
+    "b": "bold", "strong": "bold", "i": "italic", "em": "italic", "sub": "subscript", "sup": "superscript",
+}  # fmt: skip
 LOCALES = {"it": "it-IT", "en": "en-GB"}
 PAGE, MARGIN, HEAD = (Mm(210), Mm(297)), Mm(20), Mm(24)
 WIDTH = PAGE[0] - 2 * MARGIN

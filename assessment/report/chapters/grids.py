@@ -339,11 +339,8 @@ _SIGNS = {
 }  # fmt: skip
 # names whose parts are no subscripts: sums over the weights that move, and an index of D.M. 58/2017
 _WHOLE = {
-    "Sigma_P": "ΣP",
-    "Sigma_P_delta": "ΣPδ<sub>x</sub>",
-    "Sigma_P_delta_2": "ΣPδ<sub>x</sub>²",
-    "IS_V": "IS-V",
-}
+    "Sigma_P": "ΣP", "Sigma_P_delta": "ΣPδ<sub>x</sub>", "Sigma_P_delta_2": "ΣPδ<sub>x</sub>²", "IS_V": "IS-V",
+}  # fmt: skip
 _SUM = re.compile(r"(Sigma_\w+)(?=\*\*)")
 _POWER = re.compile(r"\*\*(?:\(((?:[^()]|\([^()]*\))*)\)|([\w.]+))")
 

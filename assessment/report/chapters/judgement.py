@@ -16,7 +16,7 @@ import numpy as np
 from markupsafe import Markup
 
 from assessment.report.chapters.remarks import SCHOOL, agreement, used_as
-from assessment.report.chapters.synthesis import lead, synthesis_grid
+from assessment.report.chapters.synthesis import lead, of_one_sign, synthesis_grid
 from assessment.report.language import Words, check_name, plain_text
 from assessment.report.tables import capacities, moves
 from assessment.report.tables.dynamic import shaken
@@ -129,6 +129,7 @@ def _campaign(results: Results, words: Words) -> Iterator[Markup]:
         what = {"settlement": settlement, "share": words.comma(f"{100.0 * each.share:g}"), "measure": measure}
         numbers = {"before": was, "after": after, "dynamic": pair[0], "static": pair[1]}
         yield words(f"judgement.campaign_{kind}", **what, **numbers)
+        yield from of_one_sign(settlement, loss, words)
         if indistinct:
             low, high = loss.dynamic_range
             yield words("judgement.campaign_indistinct", settlement=settlement, low=low, high=high)

@@ -12,7 +12,7 @@ from assessment.report.language import Words, direction_name, indexed, label, nu
 from assessment.report.tables.dynamic import shaken
 from assessment.report.tables.mechanisms import mechanism_name
 from assessment.report.tables.structure import bounded, edge_pressures
-from assessment.results import summary
+from assessment.results import schema, summary
 from assessment.results.hand_check import governing_view, rigid_push
 from assessment.results.schema import QUANTITIES, Part, Results, SummaryCheck, SummaryRow, known, present
 from assessment.results.table import ORIGINAL, Row, Table, reduction
@@ -53,7 +53,14 @@ def lead(results: Results, words: Words) -> list[Markup]:
         few = loss.records is not None and loss.records < ENOUGH
         kind = "loss_indistinct" if loss.distinguishable is False else f"dynamic_loss{'_few' * few}"
         sentences.append(words(f"synthesis.{kind}", loss=loss.dynamic, low=low, high=high))
+        sentences += of_one_sign(worst, loss, words)
     return [each for each in (*sentences, *_broken_ties(results, words)) if each]
+
+
+def of_one_sign(state: str, loss: schema.Loss, words: Words) -> list[Markup]:
+    """Return a sentence that tells of which sign of the records a loss is, where the other gains."""
+    ways = [way for way, lost in (loss.directions or {}).items() if lost == loss.dynamic]
+    return [words("judgement.one_sign", settlement=state, direction=way) for way in ways]
 
 
 def _broken_ties(results: Results, words: Words) -> Iterator[Markup]:

@@ -148,9 +148,13 @@ def test_the_judgement_sets_the_loss_beside_the_static_one_and_remarks_opposite_
     for row in results["campaign"]["loss"]:
         row["static"] = static
     assert f"campaign_{key}" in hold(results)
-    for row in results["campaign"]["loss"]:  # one sign of the records gains too
+    # one sign of the records gains too; medians are of both, and a loss without a word on it contradicts them
+    for row in results["campaign"]["loss"]:
         row["directions"] = {"+x": row["dynamic"], "-x": -0.1}
-    assert "campaign_opposed" not in hold(results)
+    held = hold(results)
+    assert "campaign_opposed" not in held and "one_sign" in held
+    said = " ".join(map(plain_text, lead(typed(results), words_of(typed(results)))))
+    assert "that of one sign of the records, +x" in said.replace("\u00a0", " ")
 
 
 def test_a_loss_of_fewer_than_three_records_has_no_bounds_of_95_per_cent():

@@ -142,6 +142,12 @@ def _indistinct(said: Fields, read: Read) -> Fields:
     return dict(zip(("low", "high"), map(percent, loss["dynamic_range"]), strict=True))
 
 
+def _one_sign(said: Fields, read: Read) -> Fields:
+    loss = read.shares("loss", said)[-1]
+    way = next(name for name, lost in loss["directions"].items() if lost == loss["dynamic"])
+    return {"direction": direction_name(way)}
+
+
 def _ties_yield(said: Fields, read: Read) -> Fields:
     pushed = [push for state in read.results["states"].values() for push in state["pushover"].values()]
     curves = [push[kind] for push in pushed for kind in ("rigid", "elastic") if push.get(kind)]
@@ -268,6 +274,7 @@ def _unstable(_: Fields, read: Read) -> Fields:
 CLAIMS: dict[str, Callable[[Fields, Read], Fields]] = {
     "unstable": _unstable, "chosen": _chosen, "linear": _linear, "limits": lambda said, read: {},
     "interventions": _interventions, "ties_yield": _ties_yield, "campaign_indistinct": _indistinct,
+    "one_sign": _one_sign,
     **{f"history_{kind}": _history for kind in ("collapse", "stands", "peak")},
     **{f"campaign_{kind}": partial(_campaign, kind) for kind in ("alone", "beside", "opposed")},
     **{f"worst_{quantity}": partial(_worst, quantity) for quantity in ("a_g_g", "alpha_0", "alpha_u")},
