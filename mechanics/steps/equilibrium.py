@@ -92,16 +92,14 @@ class ClosedProgram:
         return replace(self, program=replace(self.program, places=places)), lever
 
 
-def closed_program(
-    model: Assembly, state: State, tolerance: float | None = None, bear: bool = False
-) -> ClosedProgram:
+def closed_program(model: Assembly, state: State, tolerance: float | None = None) -> ClosedProgram:
     """Return the rigid program under gravity over the joints closed in a state.
 
     An end of a joint is closed if its gap is zero within the tolerance, a share of the block size: None, that of the
     drawing as drawn, LIMIT.closed in another state. If the joint is known to carry, the gap of its nearer end is
     subtracted first: sliding has lifted that joint. A joint of finite strength that has turned on its edge has crushed
-    there: its faces meet at the end of what has. A corner that has met a face bears nothing before it has crushed,
-    unless such corners are to `bear`, too.
+    there: its faces meet at the end of what has. A corner that has met a face bears nothing before it has crushed, but
+    for a block that rests on corners alone: it has crushed them as far as they bear it.
     """
     if tolerance is None:
         drawn = model.joint_tolerance / model.size if state is model.initial else np.inf
@@ -121,8 +119,10 @@ def closed_program(
     turned = (closed.sum(axis=1) == 1) & ~system.contacts.ties
     edges = np.column_stack([places[:, H], np.where(turned, law[:, STRENGTH], np.inf)])
     crushed = np.isfinite(edges[:, 1])
-    pressed = bear | ~crushed | (gaps.min(axis=1) < -tolerance * model.size)
-    bears[system.ties.stop :] &= pressed[system.ties.stop :]
+    on_corners, met = model.movable.copy(), slice(system.ties.stop, None)
+    on_corners[model.joints.a] = on_corners[model.joints.b] = False
+    alone = (on_corners[system.contacts.a] | on_corners[system.contacts.b])[met]
+    bears[met] &= (alone | ~crushed[met]) | (gaps.min(axis=1) < -tolerance * model.size)[met]
     index = np.flatnonzero(closed.any(axis=1) & bears)
     law[crushed, STRENGTH] = np.inf
     # crushed up to where the gap vanishes: half of that is the resultant's distance from the edge
@@ -167,17 +167,16 @@ def standing_program(model: Assembly, state: State) -> ClosedProgram:
 @lru_cache(maxsize=4)  # every path of a model begins with it as drawn
 def _standing(model: Assembly, state: State, tolerance: float | None) -> ClosedProgram:
     """Return the program over the joints closed within a tolerance; raise UnstableError where it cannot stand."""
-    for bear in (False, True):  # what stands on corners alone has crushed them as far as they bear it
-        closed = closed_program(model, state, tolerance, bear)
-        # the last equilibrium of a path balances within its accuracy, a share of the whole weight on any block
-        allowed = BALANCED if state.carrying is None else STEP.slow * model.weight / closed.program.weight
-        for k in range(LIMIT.repeats):
-            acceleration, forces = least_acceleration(closed.program, closed.layout)
-            if acceleration <= allowed:
-                return closed
-            if (again := closed.hinged(forces[:, 0], k)) is None:
-                break
-            closed = again
+    closed = closed_program(model, state, tolerance)
+    # the last equilibrium of a path balances within the accuracy of the path, a share of the whole weight on any block
+    allowed = BALANCED if state.carrying is None else STEP.slow * model.weight / closed.program.weight
+    for k in range(LIMIT.repeats):
+        acceleration, forces = least_acceleration(closed.program, closed.layout)
+        if acceleration <= allowed:
+            return closed
+        if (again := closed.hinged(forces[:, 0], k)) is None:
+            break
+        closed = again
     raise UnstableError(message(
         "the structure cannot stand under its own weight: some block would start to move with {acceleration:.2g} g; "
         "check supports, friction, strength and joints (open ones carry nothing)", acceleration=acceleration,

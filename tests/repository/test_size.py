@@ -28,7 +28,7 @@ LINES = {
     "mechanics/procedures": 3657,
     "mechanics/records": 990,
     "mechanics/solvers": 933,
-    "mechanics/steps": 1804,
+    "mechanics/steps": 1803,
 }
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from assessment.benchmark.measure import assembly, template
-from mechanics import Assembly, Block, Material, limit_analysis, pushdown, pushover
+from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover
 from mechanics.procedures import Mirror, farthest_corner, limit_in, static_theorem
 from mechanics.procedures.peaks import may_peak
 from tests.support.drawn_projects import drawn, tables
@@ -57,6 +57,12 @@ def test_a_corner_that_meets_a_face_bears_nothing_before_it_has_crushed(sliding)
         for collisions in (True, False)
     )
     assert touching == pytest.approx(apart, rel=1e-6)
+
+
+def test_a_corner_beside_a_joint_that_crushes_makes_no_structure_stand():
+    """Where corners bore what joints did not, α was 0.011 of an arch whose joints crush under its weight."""
+    with pytest.raises(UnstableError, match="cannot stand under its own weight"):
+        limit_analysis(springing_arch(strength=110.0), "+x")
 
 
 @pytest.mark.parametrize("strength", [300.0, 1e6])
