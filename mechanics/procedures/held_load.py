@@ -20,7 +20,7 @@ from mechanics.types import GRAVITY, Array, Mask
 
 GROWS = 10.0  # √(L/g), L the extent of the structure: time in which a load grows
 HOLDS = 5  # √(L/g): time that it stays then, and up to so many times as long until all rests
-SPENT = 0.01  # of the kinetic energy of a kick: with less, and ever less, what was kicked rests before
+SPENT = 1e-4  # of the kinetic energy of a kick: with less, and ever less, what was kicked rests before
 STEP = 0.01  # √(L/g): time step
 DAMPED = 0.1  # of critical: elastic joints, which lose nothing at impacts
 RESOLVED = 0.95  # ratio of multipliers that are not told apart

@@ -186,6 +186,18 @@ def test_an_elastic_block_released_where_it_balances_falls_however_slowly(width,
     assert not held_load.stands_kicked(model, "elastic", "coulomb", balance, way, held_load.KICKS[:1])
 
 
+@pytest.mark.parametrize("seed", [102, 135])
+def test_the_last_state_of_a_path_that_falls_by_creeping_does_not_stand(seed, monkeypatch):
+    """It falls after 8 and 11 √(L/g), from a thousandth of the energy of its kick: a hundredth counted as spent."""
+    model = random_masonry(seed)
+    monkeypatch.setattr("mechanics.procedures.pushdown.KICKED", ())
+    way = model.size * np.array([0.2, -0.1])
+    path = pushdown(model, "right", way, increment=0.02 * model.size, to_collapse=True)
+    before, last = path.states[-2:]
+    way = last.positions - before.positions
+    assert not held_load.stands_kicked(model, "rigid", "coulomb", last, way, held_load.KICKS[:1])
+
+
 def test_what_balances_beside_a_heavy_block_that_slides_falls():
     """The heavy block had spent the kick, of which the column beside it had 1/5000: released it was told to stand."""
     model = on_base(Material(20.0, 0.7), (-10.0, -0.5, 10.0), (-6.0, 0.0, -2.0, 6.0), (2.0, 0.0, 2.1, 2.0))
