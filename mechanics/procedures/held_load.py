@@ -20,7 +20,6 @@ from mechanics.types import GRAVITY, Array, Mask
 
 GROWS = 10.0  # √(L/g), L the extent of the structure: time in which a load grows
 HOLDS = 5  # √(L/g): time that it stays then, and up to so many times as long until all rests
-SPENT = 1e-4  # of the kinetic energy of a kick: with less, and ever less, what was kicked rests before
 STEP = 0.01  # √(L/g): time step
 DAMPED = 0.1  # of critical: elastic joints, which lose nothing at impacts
 RESOLVED = 0.95  # ratio of multipliers that are not told apart
@@ -42,7 +41,7 @@ def stands(
     grows = np.linspace(0.0, acceleration, round(GROWS / STEP) + 1)
     stays = np.full(round(1.0 / STEP) + 1, acceleration)
     damping = DAMPED if contacts == "elastic" and first_frequency(model) else 0.0
-    begun, kicked = state.positions, 0.5 * float((model.mass * state.velocities**2).sum())
+    begun = state.positions
     for held in range(0 if acceleration else 1, HOLDS**2 + 1):
         load = stays if held else grows
         try:
@@ -55,9 +54,9 @@ def stands(
         if motion.collapsed:
             return False
         early, late = (float(part.max()) for part in np.array_split(motion.energy.kinetic, 2))
-        spent = held > 1 and late < SPENT * kicked  # in the first the kick itself is the early part
-        rests = held >= HOLDS and not motion.speed_at_end
-        if late <= early and (spent or rests):  # what falls from a balance is slow at first
+        if (
+            held >= HOLDS and late <= early and not motion.speed_at_end
+        ):  # a fall from a balance is slow at first
             return True
         state = motion.final
     return model.farthest(begun, state.positions) <= model.size

@@ -25,7 +25,7 @@ LINES = {
     "mechanics": 934,
     "mechanics/kernels": 3518,
     "mechanics/model": 2998,
-    "mechanics/procedures": 3657,
+    "mechanics/procedures": 3656,
     "mechanics/records": 990,
     "mechanics/solvers": 933,
     "mechanics/steps": 1803,
