@@ -260,8 +260,7 @@ def governing_mechanism(results: Results, words: Words) -> Markup:
         return Markup("")
     weight, whole = rigid_push(results, *view).mechanism.moving_weight_kN, results.model.weight_kN
     where = {"name": mechanism_name(results, *view, words), "state": view[0], "direction": view[1]}
-    share = weight / whole if whole else 0.0
-    return words("synthesis.mechanism", **where, weight=weight, share=share)
+    return words("synthesis.mechanism", **where, weight=weight, share=weight / whole if whole else 0.0)
 
 
 def basis(results: Results, words: Words) -> Iterator[Markup]:
@@ -285,21 +284,22 @@ def basis(results: Results, words: Words) -> Iterator[Markup]:
     if (demand := (results.spectra or {}).get(limit)) is not None:
         life, pga = reference_life(results, words), demand.pga_g or demand.a_g_g
         yield words("synthesis.hazard", pga=pga, limit=limit, reference=life)
+    checks = (check for row in results.summary.rows for check in row.checks.values())
+    if any(check.verified is False and (check.zeta_E or 0.0) >= 1.0 for check in checks):
+        yield words("synthesis.record_maximum")
     if results.echo.pushover:
         yield _range(results, words)
     if few_records(results)["incremental"]:
         yield words("text.few_records")
     # the greatest edge pressure beside the strength that was given
-    strengths = [joint.compressive_strength_kN_m2 for joint in results.geometry.joints]
-    limits = [each for each in strengths if each is not None]
+    limits = [s for joint in results.geometry.joints if (s := joint.compressive_strength_kN_m2) is not None]
     pressed = edge_pressures(results)
-    known = bool(pressed) and bounded(pressed)
-    most = pressed[0].edge_pressure_kN_m2 if known else None
-    if not limits:
-        yield words("synthesis.no_strength_pressure" if known else "synthesis.no_strength", pressure=most)
+    most = pressed[0].edge_pressure_kN_m2 if pressed and bounded(pressed) else None
+    if limits:
+        key = "synthesis.strength_alone" if most is None else "synthesis.strength"
     else:
-        key = f"synthesis.strength{'' if known else '_alone'}"
-        yield words(key, strength=min(limits), pressure=most)
+        key = "synthesis.no_strength" if most is None else "synthesis.no_strength_pressure"
+    yield words(key, strength=min(limits, default=None), pressure=most)
     if decree := results.echo.report.get("protection"):
         yield words("synthesis.listed", decree=decree)
 

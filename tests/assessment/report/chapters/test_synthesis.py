@@ -153,6 +153,15 @@ def test_where_the_index_is_reached_what_is_not_verified_is_named():
     assert lead(typed(results), WORDS)[0].endswith(". Not verified at SLC.")
 
 
+def test_an_index_above_one_that_is_not_verified_has_its_reason_on_the_first_page():
+    """The maximum of a record's spectrum decides what is verified, where ζ_E is that at T."""
+    results = results_example("en")
+    reason = "A limit state whose ζE is 1 or more is not verified"
+    assert reason not in " ".join(Markup(each).striptags() for each in basis(typed(results), WORDS))
+    results["states"][SETTLED]["capacity"]["+x"]["SLV"] |= {"zeta_E": 1.15, "verified": False}
+    assert reason in " ".join(Markup(each).striptags() for each in basis(typed(results), WORDS))
+
+
 def test_damage_does_not_decide_whether_a_state_is_verified():
     """The table counts SLV and SLC: a sentence "Not verified at SLD" stood above its "verified"."""
     results = results_example("en")
