@@ -54,9 +54,8 @@ def stands(
         if motion.collapsed:
             return False
         early, late = (float(part.max()) for part in np.array_split(motion.energy.kinetic, 2))
-        if (
-            held >= HOLDS and late <= early and not motion.speed_at_end
-        ):  # a fall from a balance is slow at first
+        falls = late > early  # a fall from a balance is slow at first, and gains speed
+        if held >= HOLDS and not falls and not motion.speed_at_end:
             return True
         state = motion.final
     return model.farthest(begun, state.positions) <= model.size

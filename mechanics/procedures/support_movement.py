@@ -212,7 +212,7 @@ class Following:
         return self.equilibrium.state
 
     def release(self) -> None:
-        """Release the structure, where joints have slid, with a kick along its way, after which it may be fallen."""
+        """Kick the structure along its last step, where joints have slid; it is `fallen` if it does not stand that."""
         led = self._led
         if self.stopped is None and led.slid and not led.stands(self.equilibrium.state, led.rate):
             self.fallen, self.stopped = True, FALLS

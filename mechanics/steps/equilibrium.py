@@ -122,7 +122,7 @@ def closed_program(model: Assembly, state: State, tolerance: float | None = None
     on_corners, met = model.movable.copy(), slice(system.ties.stop, None)
     on_corners[model.joints.a] = on_corners[model.joints.b] = False
     alone = (on_corners[system.contacts.a] | on_corners[system.contacts.b])[met]
-    bears[met] &= (alone | ~crushed[met]) | (gaps.min(axis=1) < -tolerance * model.size)[met]
+    bears[met] &= alone | ~crushed[met] | (gaps.min(axis=1) < -tolerance * model.size)[met]
     index = np.flatnonzero(closed.any(axis=1) & bears)
     law[crushed, STRENGTH] = np.inf
     # crushed up to where the gap vanishes: half of that is the resultant's distance from the edge

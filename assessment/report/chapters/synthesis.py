@@ -144,8 +144,8 @@ def _strengthened(results: Results, name: str, words: Words) -> Markup:
     """Return a sentence on what an intervention gives back, in the direction in which it found the structure weakest.
 
     That is of the index, without checks of the multiplier; of directions that were alike, the one that is weakest now.
-    Where the structure is now weakest in another direction, the value there is given too. Where the motions say the
-    opposite, both are told.
+    Where the structure is now weakest in another direction, the value there is given too. The sentence gives
+    the result of the motions too, where that is the opposite.
     """
     limit, of = summary.index_limit(results), known(results.states[name].strengthening).of
     if (least := summary.least_row(results, of)) is None:
