@@ -10,7 +10,6 @@ import secrets
 import signal
 import socket
 import threading
-import tomllib
 import traceback
 import webbrowser
 from collections.abc import Callable, Mapping
@@ -20,7 +19,6 @@ from hmac import compare_digest
 from http import HTTPStatus
 from http.client import HTTPConnection
 from http.client import HTTPException as NoHttpError
-from importlib.resources import files
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -40,7 +38,7 @@ from assessment.project.project import TOML, XLSX, json_schema, survey_project
 from assessment.project.project import convert as to_other_format
 from assessment.runtime.console import say, tell
 from assessment.runtime.errors import ProjectError, error_text, is_input_error
-from assessment.runtime.files import write_atomically
+from assessment.runtime.files import template, template_table, write_atomically
 from assessment.workflow import STAGES
 
 Sent = Mapping[str, Any]
@@ -61,7 +59,7 @@ def page_words(language: str) -> dict[str, Any]:
     """Return the words of the page in a language; `keys`: name, as in the report, and meaning (in English empty)."""
     from assessment.report.language import Words, key_name, plain_text  # late: the page comes first
 
-    found = tomllib.loads((files("templates") / f"app_{language}.toml").read_text(encoding="utf-8"))
+    found = template_table(f"app_{language}.toml")
     words = Words.of(language)
     keys = {key: [plain_text(key_name(key, words)), ""] for key in words.strings["input"]}
     for place, told in found.get("keys", {}).items():
@@ -230,15 +228,14 @@ def application(session: Session, port: int, token: str) -> ASGIApp:
         given = request.query_params.get("token", "")
         if not (compare_digest(given.encode(), token.encode()) or _has(request, cookie, key)):
             return _refused("open the address that assesto app has printed", 403)
-        made = Response(
-            _template("page.html"), media_type="text/html", headers={"Content-Security-Policy": PAGE}
-        )
+        headers = {"Content-Security-Policy": PAGE}
+        made = Response(template("app/page.html"), media_type="text/html", headers=headers)
         made.set_cookie(cookie, key, httponly=True, samesite="strict", path="/")
         return made
 
     def static(request: Request) -> Response:
         kind = STATIC.get(name := request.path_params["name"])
-        return Response(_template(name), media_type=kind) if kind else _refused("no such file", 404)
+        return Response(template(f"app/{name}"), media_type=kind) if kind else _refused("no such file", 404)
 
     async def drop(request: Request) -> Response:
         name, kind = request.path_params["name"], request.query_params.get("kind", "")
@@ -361,10 +358,6 @@ def _file(session: Session, request: Request) -> Response:
 
 def _refused(text: str, status: int) -> Response:
     return PlainTextResponse(text, status) if status in (403, 404) else JSONResponse({"error": text}, status)
-
-
-def _template(name: str) -> bytes:
-    return (files("templates") / "app" / name).read_bytes()
 
 
 HOST = "127.0.0.1"

@@ -5,11 +5,9 @@ import csv
 import io
 import itertools
 import math
-import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +29,7 @@ from assessment.results.hand_check import mechanisms
 from assessment.results.schema import Results
 from assessment.results.summary import coulomb, limit_states
 from assessment.results.table import Table
-from assessment.runtime.files import read_picture, write_atomically
+from assessment.runtime.files import read_picture, template, template_table, write_atomically
 
 CHAPTERS = ("norms", "structure", "movement", "model", "cracks", "capacity", "dynamic", "judgement")
 ANNEXES = ("units", "echo", "joints", "quality", "validation", "trace", "attachments")
@@ -78,7 +76,7 @@ def write_docx(results: Results, folder: Path, edited: Markup | None = None) -> 
 def _template() -> jinja2.Template:
     """Return the template of the report, compiled once for page, PDF and Word."""
     environment = jinja2.Environment(
-        loader=jinja2.FunctionLoader(lambda name: (files("templates") / name).read_text(encoding="utf-8")),
+        loader=jinja2.FunctionLoader(template),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
@@ -120,7 +118,7 @@ def render_html(
         w=words,
         results=results,
         full=full,
-        style=Markup((files("templates") / "report.css").read_text(encoding="utf-8")),
+        style=Markup(template("report.css")),
         chapters=[name for name in CHAPTERS if there.get(name, True)],
         annexes=[name for name in ANNEXES if there.get(name, True)],
         attached=attached,
@@ -191,7 +189,7 @@ def references(results: Results) -> list[str]:
         "campaign": results.campaign is not None and results.campaign.method == "stripes",
         "solver": any(rigid.second_solver for _, _, rigid in mechanisms(results)),
     }
-    listed = tomllib.loads((files("templates") / "references.toml").read_text(encoding="utf-8"))["reference"]
+    listed = template_table("references.toml")["reference"]
     return [each["text"] for each in listed if used.get(each.get("when", ""), True)]
 
 

@@ -8,7 +8,6 @@ import io
 import re
 import zipfile
 from collections.abc import Iterator
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +20,8 @@ from docx.shared import Emu, Mm
 from docx.text.paragraph import Paragraph
 from lxml import html
 from markupsafe import escape
+
+from assessment.runtime.files import template
 
 Element = Any  # of lxml, which has no types
 HEADINGS = {"h2": "Heading 1", "h3": "Heading 2"}
@@ -46,7 +47,7 @@ def to_docx(page: str, folder: Path) -> bytes:
     """
     root = html.document_fromstring(page, parser=html.HTMLParser(huge_tree=True))
     document: Any = Document()
-    styles = (files("templates") / "docx_styles.xml").read_text(encoding="utf-8")
+    styles = template("docx_styles.xml")
     document.styles.element[:] = parse_xml(styles.replace("LOCALE", LOCALES[root.get("lang")]))[:]
     section = document.sections[0]
     section.page_width, section.page_height = PAGE

@@ -2,12 +2,10 @@
 
 import math
 import re
-import tomllib
 import unicodedata
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from typing import Any, Self, TypeVar
 
 from markupsafe import Markup, escape
@@ -15,6 +13,7 @@ from markupsafe import Markup, escape
 from assessment.ntc.tables import ROCK
 from assessment.results.schema import QUANTITIES, Quantity, Results, ratio_decimals, unit_of
 from assessment.results.table import Row
+from assessment.runtime.files import template_table
 from mechanics.messages import Message, english, filled
 
 LANGUAGES = ("it", "en")
@@ -175,11 +174,10 @@ def words_of(results: Results) -> Words:
 
 @cache
 def _strings(language: str) -> Mapping[str, Any]:
-    tables = tomllib.loads((files("templates") / "strings.toml").read_text(encoding="utf-8"))
     at = LANGUAGES.index(language)
     return {
         name: {key: text if isinstance(text, str) else text[at] for key, text in own.items()}
-        for name, own in tables.items()
+        for name, own in template_table("strings.toml").items()
     }
 
 
@@ -369,7 +367,4 @@ def _item(name: str, item: Any, form: str, words: Words) -> str:
 @cache
 def templates(language: str) -> Mapping[str, str]:
     """Return the wording of each template in a language other than English."""
-    if language == "en":
-        return {}
-    text = (files("templates") / f"messages_{language}.toml").read_text(encoding="utf-8")
-    return dict(tomllib.loads(text))
+    return {} if language == "en" else template_table(f"messages_{language}.toml")

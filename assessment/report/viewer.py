@@ -4,7 +4,6 @@ import base64
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from assessment.report.tables import moves, pushes
 from assessment.results.frames import ties_of
 from assessment.results.joint_states import CONDITIONS, IDLE, Situation, faces_of, states_of
 from assessment.results.schema import Direction, Frames, Results, Snapshots, StateResults, TieTension
+from assessment.runtime.files import template
 
 NEAR = 0.01  # of a path's reach: so far beyond its end is at its end
 
@@ -77,8 +77,7 @@ def viewer(results: Results, words: Words) -> Viewer | None:
         "words": dict(words.strings["viewer"]) | {"decimal_mark": words.plain("value.decimal_mark")},
     }
     text = json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
-    script = (files("templates") / "viewer.js").read_text(encoding="utf-8")
-    return Viewer(Code(text), Code(script))
+    return Viewer(Code(text), Code(template("viewer.js")))
 
 
 def _path(

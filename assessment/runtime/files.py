@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, one by one or all of a run; pictures that a user attaches."""
+"""Files that appear whole or not at all, one by one or all of a run; those that come with it; pictures of a user."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ import os
 import re
 import shutil
 import time
+import tomllib
 import warnings
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
+from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from assessment.runtime.errors import ProjectError
 
@@ -98,6 +100,16 @@ def file_digest(path: Path) -> str:
         if status.st_size > MOST_BYTES:
             return hashlib.sha256(f"{status.st_size} {status.st_mtime_ns}".encode()).hexdigest()
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def template(name: str) -> str:
+    """Return the text of a file of `templates`."""
+    return (files("templates") / name).read_text(encoding="utf-8")
+
+
+def template_table(name: str) -> dict[str, Any]:
+    """Return the content of a TOML file of `templates`."""
+    return tomllib.loads(template(name))
 
 
 SUFFIXES = (".png", ".jpg", ".jpeg")

@@ -1,10 +1,8 @@
 """The tables of a project file: every key with its type, unit (kN, m, s, Mg, g), default and meaning for the user."""
 
 import math
-import tomllib
 from collections.abc import Iterator
 from functools import cache
-from importlib.resources import files
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Self, Union, get_args, get_origin
 
@@ -16,6 +14,7 @@ from assessment.project.schema.motions import *
 from assessment.project.schema.structure import *
 from assessment.project.schema.values import *
 from assessment.project.schema.values import ORIGINAL, Contradiction, FileName, NameOf, absent, entry, key_of
+from assessment.runtime.files import template_table
 
 Form = Literal["single", "list", "named"]
 """Of a table in the file: [name], [[name]] for each entry of a list, or [name.NAME] for each named entry."""
@@ -220,8 +219,8 @@ def keys_at(path: KeyPath, language: str = "en") -> dict[str, str]:
 @cache
 def _italian() -> dict[str, str]:
     """Return the meaning of every key in Italian, by KEY or TABLE.KEY; in front of it there may be a label."""
-    content = tomllib.loads((files("templates") / "app_it.toml").read_text("utf-8"))
-    return {key: told if isinstance(told, str) else told[1] for key, told in content["keys"].items()}
+    keys = template_table("app_it.toml")["keys"]
+    return {key: told if isinstance(told, str) else told[1] for key, told in keys.items()}
 
 
 def named_at(path: KeyPath) -> str | None:

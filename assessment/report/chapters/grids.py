@@ -4,10 +4,8 @@ At the end the annex of calculations: the lines of tables/trace.csv, with the nu
 """
 
 import re
-import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from importlib.resources import files
 from types import MappingProxyType
 from typing import Any
 
@@ -23,6 +21,7 @@ from assessment.results import hand_check
 from assessment.results.schema import QUANTITIES, Line, Results, present
 from assessment.results.summary import index_limit, index_of, least_row, printed, undetermined
 from assessment.results.table import Row, Table, cells, reference_of
+from assessment.runtime.files import template_table
 
 # tables that the report prints as the CSV files have them
 AS_THEY_ARE = """ties settlements tie_tensions knowledge action indices risk interventions all_mechanisms linear_checks
@@ -62,11 +61,10 @@ def grid(
 def printed_tables(results: Results, words: language.Words) -> dict[str, Grid]:
     """Return the tables of the report that have rows, by name."""
     chosen = checked.chosen_mechanisms(results)
-    cases = tomllib.loads((files("templates") / "validation.toml").read_text(encoding="utf-8"))["case"]
     validation = [  # of this version; tests compute every row again
         {name: Markup(text) for name, text in case[words.language].items()}
         | {name: words.comma(case[name]) for name in ("expected", "computed")}
-        for case in cases
+        for case in template_table("validation.toml")["case"]
     ]
     found = [
         Table("validation", validation, ("case", "source", "expected", "computed")),

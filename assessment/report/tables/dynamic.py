@@ -5,7 +5,6 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from importlib.resources import files
 
 import jinja2
 
@@ -14,6 +13,7 @@ from assessment.report.tables import Curves, Found, curves, table, without
 from assessment.results.schema import Results, known, present
 from assessment.results.schema import dynamic as parts
 from assessment.results.table import Row, Table, cells, reduction
+from assessment.runtime.files import template
 
 VERTICAL = "vertical_record vertical_pga_g"
 HISTORY = f"""state record pga_g {VERTICAL} contacts control peak_displacement_m residual_displacement_m farthest_m
@@ -292,6 +292,5 @@ def fragility_model(results: Results) -> bytes | None:
             mean, largest = median * math.exp(0.5 * beta**2), median * math.exp(FARTHEST * beta)
             numbers = {"largest": largest, "mean": mean, "deviation": mean * math.sqrt(math.expm1(beta**2))}
             functions.append({"id": own, "measure": measure} | numbers)
-    text = (files("templates") / "fragility.xml.j2").read_text(encoding="utf-8")
-    made = jinja2.Template(text, autoescape=True, trim_blocks=True)
+    made = jinja2.Template(template("fragility.xml.j2"), autoescape=True, trim_blocks=True)
     return made.render(title=results.title, functions=functions).encode() if functions else None

@@ -181,11 +181,11 @@ def test_the_page_runs_no_script_but_its_own(served):
     (policy,) = served.enter().headers.get_all("Content-Security-Policy")
     assert policy.startswith("default-src 'none'; script-src 'self'")
     assert "unsafe" not in policy
-    page = (server.files("templates") / "app" / "page.html").read_text(encoding="utf-8")
+    page = server.template("app/page.html")
     assert page.count("<script") == 1
     assert " on" not in "".join(part.partition(">")[0] for part in page.split("<")[1:]).replace(" one", "")
     for name in server.STATIC:
-        script = (server.files("templates") / "app" / name).read_text(encoding="utf-8")
+        script = server.template(f"app/{name}")
         assert "innerHTML" not in script
         assert served.ask("GET", f"/static/{name}").status == 200
 
