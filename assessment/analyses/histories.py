@@ -117,7 +117,7 @@ def histories(
     """Return every time history that the project asks for, state by state."""
     accuracy, scatter, states = accuracy_of(inputs.project), scatter_of(inputs.project), inputs.project.states
     tables = zip(inputs.project.history, motions, strict=True)
-    tasks = [task for table, motion in tables for task in inputs.tasks(table, [motion])]
+    tasks = [task for table, motion in tables for task in inputs.tasks(table, motion)]
     tasks.sort(key=lambda task: states.index(task.state))
     studies = [HistoryStudy(task, accuracy, scatter) for task in tasks]
     rounds = [[0]]  # halvings of the time step that are run together
@@ -132,8 +132,7 @@ def histories(
 
 def _run(inputs: time_history.MotionInputs, wanted: Sequence[tuple["HistoryStudy", int, int]]) -> None:
     """Run members of studies side by side."""
-    tasks = [(study.at(level, member),) for study, level, member in wanted]
-    done = inputs.each("history", time_history.history, tasks)
+    done = inputs.histories([(study.at(level, member),) for study, level, member in wanted])
     for (study, level, member), found in zip(wanted, done, strict=True):
         study.members.setdefault(level, {})[member] = found
 
@@ -250,14 +249,14 @@ class HistoryStudy:
     @property
     def pair(self) -> range:
         """The members that are run first; one if the state at rest was not reached."""
-        return range(min(PAIR, self.scatter.members)) if self._starts else range(1)
+        return range(min(PAIR, self.scatter.members)) if self.task.starts else range(1)
 
     @property
     def others(self) -> range:
         """The members that are still to be run at the finest time step."""
         first = self.members[self.finest]
         same = enough(_courses(first), self.scatter, self.task.model.size)
-        done = not self._starts or _failures(first.values()) or same
+        done = not self.task.starts or _failures(first.values()) or same
         return range(0) if done else range(len(first), self.scatter.members)
 
     @property
@@ -274,7 +273,7 @@ class HistoryStudy:
         tolerance = self.accuracy.tolerance
         if not self.members:
             return False
-        if tolerance is None or not self._starts or self.finest < max(self.members):
+        if tolerance is None or not self.task.starts or self.finest < max(self.members):
             return True
         return self.refinement.finished(tolerance)
 
@@ -293,17 +292,15 @@ class HistoryStudy:
 
     def at(self, level: int, member: int) -> time_history.Shaking:
         """Return the task of a member at a halved time step; `level`: how often it is halved."""
-        motion = self.task.motion
-        for _ in range(level):
-            motion = motion.at_half_step()
-        return replace(self.task, motion=motion.at_amplitude(self.scatter.amplitudes[member]))
+        amplitude = self.scatter.amplitudes[member]
+        return replace(self.task, motion=self.task.motion.halved(level).at_amplitude(amplitude))
 
     def result(self) -> time_history.FoundHistory:
         """Return the history of the members at the finest time step, with the error estimated from the other steps."""
         title, tolerance = time_history.history_title(self.task), self.accuracy.tolerance
         found = together(title, list(self.members[self.finest].values()))
         found.seconds = sum(each.seconds for level in self.members.values() for each in level.values())
-        if tolerance is None or not self._starts or found.numbers.collapsed is None:
+        if tolerance is None or not self.task.starts or found.numbers.collapsed is None:
             return found
         if self.finest < max(self.members):
             reason = linked(_failures(self.members[self.finest + 1].values()))
@@ -312,10 +309,6 @@ class HistoryStudy:
         found.convergence = row.replace(halvings=self.finest)
         found.warnings += self.refinement.missed(title, tolerance)
         return found
-
-    @property
-    def _starts(self) -> bool:
-        return not isinstance(self.task.start, str)
 
 
 def together(title: Message, members: Sequence[time_history.FoundHistory]) -> time_history.FoundHistory:

@@ -14,7 +14,7 @@ from assessment.project.model import StateModel
 from assessment.project.project import Project
 from assessment.project.schema import ControlTable, SettlementTable
 from assessment.results.schema import Configuration, PushdownPath, Pushovers, QualityRow, Run, known
-from assessment.runtime.tasks import Workers, large
+from assessment.runtime.tasks import Workers
 from mechanics import Assembly, State
 from mechanics.messages import Message, headed, message
 from mechanics.model import Behaviour, Direction
@@ -204,8 +204,7 @@ def _pushed(
         setting = PushSetting(request.behaviour, request.sliding, increment, until)
         arguments.append((own.model, request.state, own.state, setting, together, controls))
     titles = [f"{request.title()}, {' and '.join(together)}" for request, together in tasks]
-    models = (begun[request].model for request, _ in tasks)
-    found = workers.each(f"{prefix}pushover", push, arguments, titles, large(*models))
+    found = workers.each(f"{prefix}pushover", push, arguments, titles)
     return {
         (request, direction): part
         for (request, together), parts in zip(tasks, found, strict=True)
@@ -259,8 +258,7 @@ def _settled(requests: Sequence[Request], workers: Workers, prefix: str) -> dict
             control = next(iter(request.project.control), None)
             tasks[model, path, behaviour] = (model, whole, behaviour, request.sliding, control, start)
             titles.append(request.title(last.name))
-        worthwhile = large(*(model for model, *_ in tasks))
-        moved = workers.each(f"{prefix}pushdown", settle, list(tasks.values()), titles, worthwhile)
+        moved = workers.each(f"{prefix}pushdown", settle, list(tasks.values()), titles)
         for movement, followed in zip(tasks, moved, strict=True):
             away = _not_back(movement, followed, found, asked[movement].sliding)
             found[movement] = replace(followed, warnings=[*followed.warnings, *away])
@@ -300,8 +298,7 @@ def _beginnings(
     resting = [r for r in requests if r.settlement is None and r.model.later and r.behaviour == "elastic"]
     tasks = [(request.model.settling, request.sliding) for request in resting]
     titles = [f"{request.title()}, at rest" for request in resting]
-    models = (request.model.settling for request in resting)
-    rests = workers.each(f"{prefix}rest", rest_as_drawn, tasks, titles, large(*models))
+    rests = workers.each(f"{prefix}rest", rest_as_drawn, tasks, titles)
     at_rest = dict(zip(resting, rests, strict=True))
     found, restless = {}, {}
     for request in requests:

@@ -1,7 +1,7 @@
 """One motion: the response to a record, the free motion after it, its numbers, and the state that it begins from."""
 
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -62,6 +62,11 @@ class Shaking:
     setting: Setting
     start: Start
     state: str = ""
+
+    @property
+    def starts(self) -> bool:
+        """Whether the state at rest was reached."""
+        return isinstance(self.start, State)
 
 
 @dataclass(frozen=True, eq=False)
@@ -335,8 +340,8 @@ class MotionInputs:
     pushovers: Mapping[str, Mapping[Direction, Pushovers]]
     workers: Workers
 
-    def tasks(self, table: StatesTable, motions: Sequence[BaseMotion]) -> list[Shaking]:
-        """Return the motions from every state that the table asks for."""
+    def tasks(self, table: StatesTable, motion: BaseMotion) -> list[Shaking]:
+        """Return the motion from every state that the table asks for."""
         control, sliding = self.project.control_point(table.control), self.project.contacts.sliding
         # without its choice of states: one analysis does not depend on the others
         integrated = table.model_copy(update={"states": None})
@@ -346,17 +351,15 @@ class MotionInputs:
                 model, start = self.starts[state, table.contacts]
                 ultimate = ultimate_of(self.pushovers.get(state, {}), control.name)
                 setting = Setting(integrated, control, ultimate, sliding)
-                found += [Shaking(model, each, setting, start, state) for each in motions]
+                found.append(Shaking(model, motion, setting, start, state))
         return found
 
-    def each(
-        self, stage: str, function: Callable[[Shaking], FoundHistory], tasks: Sequence[tuple[Shaking]]
-    ) -> list[FoundHistory]:
-        """Return function(task) for every task, in order."""
+    def histories(self, tasks: Sequence[tuple[Shaking]]) -> list[FoundHistory]:
+        """Return the time history of every task, in order."""
         samples = [shaking.motion.record.acceleration.size for (shaking,) in tasks]
         work = sum(len(shaking.model.contacts) * n for (shaking,), n in zip(tasks, samples, strict=True))
         titles = [f"{shaking.state}, {shaking.motion.name}" for (shaking,) in tasks]
-        return self.workers.each(stage, function, tasks, titles, work > WORTHWHILE, samples)
+        return self.workers.each("history", history, tasks, titles, work > WORTHWHILE, samples)
 
 
 def starts_of(

@@ -56,11 +56,13 @@ class BaseMotion:
         """The vertical record and its largest acceleration (g), where there is one, as results name them."""
         return {"vertical_record": it.name, "vertical_pga_g": it.pga} if (it := self.vertical) else {}
 
-    def at_half_step(self) -> Self:
-        """Return the same broken lines with a sample between any two."""
+    def halved(self, times: int = 1) -> Self:
+        """Return the same broken lines with a sample between any two, so many times over."""
+        if times == 0:
+            return self
         step = 0.5 * self.record.time_step
         vertical = self.vertical and self.vertical.resampled(step)
-        return replace(self, record=self.record.resampled(step), vertical=vertical)
+        return replace(self, record=self.record.resampled(step), vertical=vertical).halved(times - 1)
 
     def at_amplitude(self, factor: float) -> Self:
         """Return the motion of a member of an ensemble."""

@@ -17,7 +17,6 @@ from assessment.runtime.progress import Show, Stage
 
 if TYPE_CHECKING:
     from assessment.results.schema import Results
-    from mechanics import Assembly
 
 SMALL = 100  # joints times static analyses: below it a second process costs more than it saves
 Arguments = TypeVarTuple("Arguments")
@@ -129,10 +128,11 @@ class Workers:
 
     def each(
         self, stage: str, function: Callable[[*Arguments], Result], tasks: Sequence[tuple[*Arguments]],
-        titles: Sequence[str], worthwhile: bool, weights: Sequence[float] = (),
+        titles: Sequence[str], worthwhile: bool | None = None, weights: Sequence[float] = (),
     ) -> list[Result]:  # fmt: skip
         """Return function(*task) for every task, in their order; `weights`: about how long each takes, in any unit.
 
+        `worthwhile`: whether they are work enough for processes of their own; None: as static analyses of their models.
         A task with an argument `From` an earlier one begins when that is known. Results pass through JSON, computed and
         stored ones: both are equal to the last bit. Raises KilledError where a process was ended from outside.
         """
@@ -175,11 +175,11 @@ class Workers:
                     return True
         return False
 
-    def _compute(self, stage: _Stage, worthwhile: bool) -> Iterator[tuple[int, str]]:
+    def _compute(self, stage: _Stage, worthwhile: bool | None) -> Iterator[tuple[int, str]]:
         """Yield number and packed result of each task that is left, long ones of another process: it can be stopped."""
         waiting = list(stage.weights)
         several = self.scheduler is not None or (len(waiting) > 1 and self.jobs > 1)
-        if not waiting or not (worthwhile or several):
+        if not waiting or not (several or (_large(stage.tasks) if worthwhile is None else worthwhile)):
             for number in waiting:
                 if self._took(stage, number):
                     stage.finish(number, stage.known[number])
@@ -223,14 +223,16 @@ class Workers:
             self.engine = None
 
 
-def large(*models: Assembly) -> bool:
-    """Return whether a static analysis of each model is work enough for a process of its own."""
-    return sum(len(model.contacts) for model in models) > SMALL
+def _large(tasks: Iterable[tuple[Any, ...]]) -> bool:
+    """Return whether a static analysis of each model among the arguments is work enough for a process of its own."""
+    from mechanics import Assembly  # late: a run in which nothing has changed needs no mechanics
+
+    return sum(len(each.contacts) for task in tasks for each in task if isinstance(each, Assembly)) > SMALL
 
 
 def _packed(function: Callable[..., Any], task: tuple[Any, ...], report: Report) -> str:
     """Compute a task; `report` receives the share that is done, at first 0, in the end None."""
-    from mechanics.progress import listening  # late: a run in which nothing has changed needs no mechanics
+    from mechanics.progress import listening  # late: as above
 
     try:
         report(0.0)

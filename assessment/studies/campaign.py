@@ -233,7 +233,7 @@ def campaign(
             )
             for motion in records
         ],
-        spectrum=spectrum, combinations=rows, computed=len({each.key for each in asked if each.starts}),
+        spectrum=spectrum, combinations=rows, computed=len({each.key for each in asked if each.shaking.starts}),
         fragility=fits, loss=losses, failures=list(study.failures), warnings=list(study.warnings),
     )  # fmt: skip
 

@@ -19,7 +19,7 @@ from assessment.results.schema import Configuration, QualityRow
 from assessment.results.schema import studies as parts
 from assessment.results.summary import UNLIKELY
 from assessment.runtime.progress import Show, Stage
-from assessment.runtime.tasks import Workers, large
+from assessment.runtime.tasks import Workers
 from assessment.studies import fit as fitting
 from assessment.studies.variants import Study
 from mechanics import Assembly, CollapseError, ConvergenceError, NoEquilibriumError
@@ -237,9 +237,7 @@ class MovementSearch:
         """Return the path to each of the values (n,), m, of the unknowns; what they leave goes to the study."""
         tasks = [(self.model, unknowns.movements(u), increments, self.sliding, self.gauges) for u in values]
         titles = [f"{unknowns.title}, path {number}" for number in range(1, len(tasks) + 1)]
-        found = self.workers.each(
-            f"identification: {what}", follow, tasks, titles, large(*[self.model] * len(tasks))
-        )
+        found = self.workers.each(f"identification: {what}", follow, tasks, titles)
         for path in found:
             self.study.quality += path.quality
             self.study.seconds += path.seconds

@@ -72,11 +72,6 @@ class Asked:
         sign = "+" if self.sign > 0 else "−"
         return message("{state}, {record}, {sign}", state=self.shaking.state, record=self.record, sign=sign)
 
-    @property
-    def starts(self) -> bool:
-        """Whether the state at rest was reached."""
-        return not isinstance(self.shaking.start, str)
-
     @cached_property
     def key(self) -> str:
         """Key of the scan: what its motions depend on."""
@@ -129,7 +124,7 @@ class Scans:
         """Scan what has not been scanned, the longest records first, at a time step that is halved so often."""
         new: dict[str, Asked] = {}
         for each in asked:
-            if each.starts and halvings not in self._by_step(each):
+            if each.shaking.starts and halvings not in self._by_step(each):
                 new.setdefault(each.key, each)
         wanted = sorted(new.values(), key=lambda each: -each.shaking.motion.record.acceleration.size)
         numbers = {each.key: number for number, each in enumerate(wanted)}
@@ -137,10 +132,8 @@ class Scans:
         curves, scatter = (campaign.curve_members if campaign else None) or (), scatter_of(self.project)
         tasks: list[tuple[Any, ...]] = []
         for each in wanted:
-            motion = each.shaking.motion
-            for _ in range(halvings):
-                motion = motion.at_half_step()
-            shaking = replace(each.shaking, motion=motion, state="")  # states of several names are one scan
+            # states of several names are one scan
+            shaking = replace(each.shaking, motion=each.shaking.motion.halved(halvings), state="")
             tasks.append((shaking, scatter, each.reach, self._near(each, numbers), curves))
         samples = [shaking.motion.record.acceleration.size for shaking, *_ in tasks]
         work = EXPECTED * sum(len(of.model.contacts) * n for (of, *_), n in zip(tasks, samples, strict=True))
@@ -160,7 +153,7 @@ class Scans:
 
     def _by_step(self, asked: Asked) -> dict[int, Scan]:
         """The scans of what is asked for, by halvings of the time step."""
-        return self.found.get(asked.key, {}) if asked.starts else {}
+        return self.found.get(asked.key, {}) if asked.shaking.starts else {}
 
     def of(self, asked: Asked) -> Scan:
         """Return the scan at the time step that counts; of one not completed that of the finest that was."""
@@ -184,7 +177,7 @@ class Scans:
     def tell(self, asked: Asked, stage: str, study: Study) -> None:
         """Add messages, certificates and seconds of a scan to a study, once."""
         found = self.of(asked)
-        if not asked.starts:
+        if not asked.shaking.starts:
             study.warnings += [headed(asked.title, found.reason)] if found.reason else []
             return
         if asked.key in self.told:
@@ -202,7 +195,7 @@ class Scans:
         accuracy = accuracy_of(self.project)
         if accuracy.tolerance is None:
             return []
-        known = [each for each in asked if each.starts and self.found[each.key][0].reason is None]
+        known = [each for each in asked if each.shaking.starts and self.found[each.key][0].reason is None]
         waiting = known
         for halvings in range(1, accuracy.halvings + 1):
             self.run("finer: incremental", waiting, halvings)
@@ -239,7 +232,7 @@ class Scans:
 
     def _spread(self, asked: Sequence[Asked]) -> list[Asked]:
         """Return LOOKED_AT scans, evenly spaced among those that collapse: of several records and of several states."""
-        each_once = {each.key: each for each in asked if each.starts}.values()
+        each_once = {each.key: each for each in asked if each.shaking.starts}.values()
         every = [each for each in each_once if self.of(each).seen.lowest] or list(each_once)
         spread = sorted({k * (len(every) - 1) // (LOOKED_AT - 1) for k in range(LOOKED_AT)})
         return [every[k] for k in spread if every]

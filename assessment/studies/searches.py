@@ -127,7 +127,7 @@ class Searches:
             origin = first.setdefault(each.key, each)
             if origin is each:
                 self.scans.tell(each, self.stage, self.study)
-            elif each.starts:
+            elif each.shaking.starts:
                 same = as_part(dynamic.SameAs, origin, origin.state)
                 row = row.replace(same_as=same, runs=0, points=[], counts=None)
             rows.append(row)
@@ -190,7 +190,9 @@ class Searches:
 
     def _loss_of_stripes(self, pairs: Sequence[tuple[Asked, Asked]]) -> dynamic.Loss:
         """Return the loss of the median over `pairs`; its range is that of the bootstrap over records."""
-        done = [both for both in pairs if all(e.starts and self.scans.of(e).reason is None for e in both)]
+        done = [
+            both for both in pairs if all(e.shaking.starts and self.scans.of(e).reason is None for e in both)
+        ]
         loss = UNKNOWN.replace(left_out=len(pairs) - len(done))
         if not done:
             return loss

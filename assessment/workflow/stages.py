@@ -32,7 +32,7 @@ from assessment.results.summary import summary_of, without
 from assessment.results.table import comparison
 from assessment.runtime.cache import Store
 from assessment.runtime.progress import Show
-from assessment.runtime.tasks import Outcome, Workers, large
+from assessment.runtime.tasks import Outcome, Workers
 from assessment.studies.campaign import campaign
 from assessment.studies.convergence import Converged, converge
 from assessment.studies.identification import identification
@@ -135,7 +135,7 @@ class Draft:
 def _carry_out(draft: Draft) -> None:
     """Carry out every stage; a structure that does not stand is not analysed."""
     read, workers, assembly = draft.read, draft.workers, draft.read.model.assembly
-    [unstable] = workers.each("self-weight", stand, [(assembly,)], ["self-weight"], large(assembly))
+    [unstable] = workers.each("self-weight", stand, [(assembly,)], ["self-weight"])
     if unstable:
         draft.put(model=draft.results.model.replace(self_weight_stable=False))
         draft.warnings.append(unstable)
@@ -244,8 +244,7 @@ def _add_second_solver(draft: Draft, reported: Iterable[Governed]) -> None:
         if pushed.activated is not None and (rigid := pushed.curves.rigid)
     ]
     titles = [f"{name}, limit analysis {direction}" for _, name, direction, *_ in found]
-    worthwhile = large(*(model for model, *_ in found))
-    compared = draft.workers.each("second solver", second_solver, found, titles, worthwhile)
+    compared = draft.workers.each("second solver", second_solver, found, titles)
     for (_, name, direction, *_), result in zip(found, compared, strict=True):
         curves = draft.states[name].pushover
         if rigid := curves[direction].rigid:
@@ -263,8 +262,7 @@ def _add_dynamics(draft: Draft, stages: Iterable[StateResult], scans: Scans) -> 
         at_rest = [
             (model, name, start) for name, (model, start) in resting.items() if isinstance(start, State)
         ]
-        worthwhile = large(*(model for model, *_ in at_rest))
-        for found in scans.workers.each("friction at rest", rests_or_moves, at_rest, [*resting], worthwhile):
+        for found in scans.workers.each("friction at rest", rests_or_moves, at_rest, [*resting]):
             draft.warnings += found.warnings
     pushovers = {name: state.pushover for name, state in draft.states.items()}
     inputs = MotionInputs(project, starts, pushovers, scans.workers)

@@ -45,9 +45,9 @@ class Asked:
     def tasks(self, *_):
         return [self.task]
 
-    def each(self, _, function, tasks, *__):
+    def histories(self, tasks):
         self.runs += [task.motion.amplitude for task, *_ in tasks]
-        return [function(*task) for task in tasks]
+        return [histories.time_history.history(*task) for task in tasks]
 
     def found(self):
         [found] = histories.histories(self, [self.motion])
@@ -129,7 +129,7 @@ def test_a_half_step_shakes_by_the_same_lines_and_a_member_by_a_factor_on_both()
     motion = Asked(block_on_base(), SINE, "fast").motion
     vertical = np.cos(3.0 * TIME)
     both = replace(motion, vertical=Record(vertical, STEP, "up"))
-    member, half = both.at_amplitude(0.99), both.at_half_step()
+    member, half = both.at_amplitude(0.99), both.halved()
     assert member.vertical is not None
     np.testing.assert_allclose(member.vertical.acceleration, 0.99 * vertical)
     np.testing.assert_allclose(member.record.acceleration, 0.99 * motion.record.acceleration)

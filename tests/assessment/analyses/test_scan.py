@@ -245,7 +245,7 @@ def test_the_band_below_the_collapse_that_a_search_would_meet_first_is_found():
         MotionTable(contacts="elastic", damping_ratio=0.05), ControlTable(name="c", point_m=(0.0, 2.3))
     )
     reach, single = Reach(5.0), Scatter(1, 0.05)
-    seen = scan(Shaking(model, motion.at_half_step(), setting, model.initial), single, reach, 0.55).seen
+    seen = scan(Shaking(model, motion.halved(), setting, model.initial), single, reach, 0.55).seen
     assert 0.50 < seen.lowest < 0.53
     assert seen.capacity < 1.02 * 0.505
 

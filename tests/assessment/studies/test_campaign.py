@@ -62,7 +62,9 @@ class Levels:
         )  # fmt: skip
         for state, levels in ((self.before, before), (self.after, after)):
             for record, level in levels.items():
-                shaking = SimpleNamespace(start=None, motion=SimpleNamespace(name=record.removesuffix("−")))
+                shaking = SimpleNamespace(
+                    start=None, starts=True, motion=SimpleNamespace(name=record.removesuffix("−"))
+                )
                 sign = -1 if record.endswith("−") else 1
                 asked = Asked(shaking, sign, sign, Reach(5.0), state)
                 asked.__dict__["key"] = f"{record} {state.share}"
@@ -396,7 +398,7 @@ def test_wrong_input_is_refused_by_key(block, capsys, old, new, text):
 def test_the_time_step_is_halved_as_often_as_the_mean_of_the_levels_needs(levels, halvings):
     scans, asked = Scans(SimpleNamespace(accuracy="standard"), None), []
     for k, by_step in enumerate(levels):
-        asked.append(Asked(SimpleNamespace(start=None), 1, 1, Reach(5.0), None))
+        asked.append(Asked(SimpleNamespace(start=None, starts=True), 1, 1, Reach(5.0), None))
         asked[-1].__dict__["key"] = str(k)
         scans.found[str(k)] = {
             n: Scan([made(Level, {"pga_g": level or 0.9, "collapsed": level is not None})])
@@ -413,7 +415,9 @@ def test_elastic_joints_without_damping_are_warned_of(monkeypatch, contacts, dam
     monkeypatch.setattr(Scans, "run", lambda *arguments: None)
     table = SimpleNamespace(contacts=contacts, damping_ratio=damping, integrator="second-order")
     study = Study()
-    asked = Asked(SimpleNamespace(start=None, setting=SimpleNamespace(table=table)), 1, 1, Reach(5.0), None)
+    asked = Asked(
+        SimpleNamespace(start=None, starts=True, setting=SimpleNamespace(table=table)), 1, 1, Reach(5.0), None
+    )
     asked.__dict__["key"] = ""
     Scans(SimpleNamespace(accuracy="fast"), None).settle("campaign", [asked], False, study)
     assert [
@@ -437,7 +441,13 @@ def test_the_time_step_is_judged_where_records_collapse(monkeypatch, order):
     scans, asked = Scans(SimpleNamespace(accuracy="fast"), None), []
     for record in order:
         asked.append(
-            Asked(SimpleNamespace(start=None, setting=SimpleNamespace(table=table)), 1, 1, Reach(5.0), None)
+            Asked(
+                SimpleNamespace(start=None, starts=True, setting=SimpleNamespace(table=table)),
+                1,
+                1,
+                Reach(5.0),
+                None,
+            )
         )
         asked[-1].__dict__["key"] = record
     scans.settle("incremental", asked, True, Study())
