@@ -61,10 +61,10 @@ soil = "B"
 {HAZARD}"""
 
 
-def write_block(folder: Path, text: str = PROJECT) -> Path:
-    """Write drawing and project file into a folder, made where it is not there; return it."""
+def write_block(folder: Path, text: str = PROJECT, height: float = 4.2) -> Path:
+    """Write drawing and project file into a folder, made if it is not there; return it. `height` (m): of the block."""
     folder.mkdir(exist_ok=True)
-    write_drawing(folder / "geometry.dxf", made("block", {})[0])
+    write_drawing(folder / "geometry.dxf", made("block", {"height_m": height})[0])
     (folder / "project.toml").write_text(text, encoding="utf-8")
     return folder
 

@@ -1,4 +1,4 @@
-"""A small campaign on the block, whose base turns: short waves, two shares, one sign."""
+"""A small campaign on a lower block, which rests sooner, and whose base turns: short waves, two shares, one sign."""
 
 from pathlib import Path
 
@@ -23,11 +23,15 @@ levels_g = [0.1, 0.2, 0.3]
 """
 
 
+HEIGHT = 2.4  # m
+
+
 def write_campaign(folder: Path, table: str, records: int) -> Path:
     """Write drawing, records and project file with a table [campaign] into a folder; return it."""
-    write_block(folder, "scatter = 2\n" + PROJECT + table + ASSESSMENT)
+    text = "scatter = 2\n" + PROJECT.replace("4.2]", f"{HEIGHT}]") + table + ASSESSMENT
+    write_block(folder, text, HEIGHT)
     for number, rate in enumerate((4.0, 6.0, 5.0)[:records], 1):
         time = 0.02 * np.arange(36)
-        wave = 0.3 * np.sin(rate * time) * np.exp(-0.3 * time)
+        wave = 0.5 * np.sin(rate * time) * np.exp(-0.3 * time)
         np.savetxt(folder / f"wave{number}.csv", np.column_stack([time, wave]), delimiter=",")
     return folder

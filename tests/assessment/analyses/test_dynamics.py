@@ -42,13 +42,7 @@ scale = {scale}
 contacts = "rigid"
 integrator = "second-order"
 """
-INCREMENTAL = """
-[incremental]
-records = ["*.csv"]
-contacts = "rigid"
-integrator = "second-order"
-tolerance_g = 0.1
-"""
+INCREMENTAL = '[incremental]\nrecords = ["*.csv"]\ncontacts = "rigid"\n'
 
 
 def _project(folder, *tables, assessment=""):
@@ -73,7 +67,7 @@ def _edited(folder, old, new):
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
     folder = tmp_path_factory.mktemp("dynamic") / "block"
-    project = _project(folder, TAIL.format(scale=0.58), TAIL.format(scale=6.0), INCREMENTAL)
+    project = _project(folder, TAIL.format(scale=0.58), TAIL.format(scale=6.0))
     return run(project, build_model(project), jobs=1)
 
 
@@ -124,43 +118,19 @@ def test_energy_balance_closes(outcome):
             assert energy["potential_kNm"] == pytest.approx(weights @ (end - start), rel=1e-6, abs=1e-9)
 
 
-def test_incremental_analysis_and_comparison(outcome):
-    found = {name: state["incremental"] for name, state in plain(outcome.results)["states"].items()}
-    for each in found.values():
-        (record,) = each["records"]
-        assert 0.0 < record["pga_collapse_g"] - record["pga_safe_g"] <= 0.1
-        counts = each["fragility"]["pga_collapse_g"]
-        assert counts == each["mean_pga_collapse_g"] == record["pga_collapse_g"]
-    (row,) = plain(outcome.results)["comparison"]
-    before, after = (found[name]["mean_pga_collapse_g"] for name in ("original", "base ruotata 20 mrad"))
-    assert row["dynamic_pga_g"] == after
-    assert row["dynamic_reduction"] == pytest.approx(1.0 - after / before)
-    assert row["static_pga_g"] is None
-
-
-def test_a_history_at_the_bracket_agrees_with_the_search(outcome):
-    """The strong history is far above the PGA at collapse, the weak one below."""
-    weak, strong = plain(outcome.results)["states"]["original"]["history"]
-    found = plain(outcome.results)["states"]["original"]["incremental"]
-    assert weak["pga_g"] < found["mean_pga_collapse_g"] < strong["pga_g"]
-
-
 def test_figures_tables_and_report(outcome, tmp_path):
     results = json.loads(json.dumps(plain(outcome.results)))
     results["echo"]["report"]["language"] = "it"
     names = {picture.name for picture in pictures(typed(results))}
-    assert {"record_1", "history_1", "history_2", "incremental"} <= names
+    assert {"record_1", "history_1", "history_2"} <= names
     assert {"shapes_1_0_original", "shapes_2_1_base_ruotata_20_mrad"} <= names
-    assert "fragility" not in names  # one record has no scatter
-    draw_sections(typed(results), tmp_path, "history", "incremental")
+    draw_sections(typed(results), tmp_path, "history")
     filled = {table.name: table for table in tables(typed(results)) if table.rows}
     assert len(filled["history"].rows) == 4
     assert {"integrator", "integrator_share"} <= set(filled["history_ranges"].columns)
     assert {"history_energy", "history_curves", "record_spectra"} <= filled.keys()
-    assert {"incremental", "incremental_states", "incremental_curves", "static_dynamic"} <= filled.keys()
     html = render_html(typed(results), tmp_path, words_of(typed(results)))
-    for chapter in ("history", "incremental"):
-        assert f"<h3>{words_of(typed(results))(f'section.{chapter}')}</h3>" in html
+    assert f"<h3>{words_of(typed(results))('section.history')}</h3>" in html
 
 
 def test_the_window_scale_and_step_of_a_motion(tmp_path):

@@ -9,6 +9,9 @@ import pytest
 from assessment.analyses.scan import Reach
 from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.report.document import render_html, tables
+from assessment.report.figures.index import pictures
+from assessment.report.language import words_of
 from assessment.report.tables.dynamic import incremental
 from assessment.results.schema.dynamic import Fragility, Scanned
 from assessment.results.schema.part import plain
@@ -18,8 +21,9 @@ from assessment.studies.searches import UNITS, Measures, Searches, _search, find
 from assessment.studies.variants import Study
 from assessment.workflow.stages import run
 from mechanics.messages import message
-from tests.support.block_project import TURNED, block, write_block
-from tests.support.campaign_project import SEARCHES
+from tests.support.block_project import ASSESSMENT, PUSHED, edit
+from tests.support.campaign_project import SEARCHES, write_campaign
+from tests.support.pictured import draw_sections
 from tests.support.typed import made
 
 
@@ -109,20 +113,29 @@ max_scale = 3.0
 """
 
 
-@pytest.fixture
-def project(tmp_path):
+@pytest.fixture(scope="module")
+def project(tmp_path_factory):
     """A block that turns about its corner, shaken by a wave, and a campaign of the same."""
-    folder = write_block(tmp_path / "block", "scatter = 1\n" + block() + TURNED + SHAKEN + SEARCHES)
-    time = 0.02 * np.arange(36)
-    wave = 0.3 * np.sin(4.0 * time) * np.exp(-0.3 * time)
-    np.savetxt(folder / "wave.csv", np.column_stack([time, wave]), delimiter=",")
+    folder = write_campaign(tmp_path_factory.mktemp("incremental") / "block", SHAKEN + SEARCHES, 1)
+    edit(folder, "scatter = 2", "scatter = 1")
+    edit(folder, PUSHED, "")
+    edit(folder, ASSESSMENT, "")
     return load_project(folder)
 
 
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    return Store(tmp_path_factory.mktemp("store"))
+
+
+@pytest.fixture(scope="module")
+def outcome(project, kept):
+    return run(project, build_model(project), 1, kept)
+
+
 def test_incremental_analysis_and_campaign_are_one_set_of_motions_and_have_the_same_numbers(
-    project, tmp_path
+    project, kept, outcome
 ):
-    outcome = run(project, build_model(project), 1, Store(tmp_path / "store"))
     results = plain(outcome.results)
     rows = {(row["record"], row["share"], row["sign"]): row for row in results["campaign"]["combinations"]}
     for state, share in (("original", 0.0), ("base turned", 1.0)):
@@ -146,15 +159,37 @@ def test_incremental_analysis_and_campaign_are_one_set_of_motions_and_have_the_s
     assert low <= loss["dynamic"] <= high and loss["left_out"] == 0
     # both signs from two states, and three of these at half the time step; the campaign's are among them
     assert outcome.computed == 4 + 3 + len(STATICS) and results["timing_s"]["campaign"] == 0.0
-    again = run(project, build_model(project), 1, Store(tmp_path / "store"))
+    again = run(project, build_model(project), 1, kept)
     assert again.computed == 0 and again.results.states == outcome.results.states
+
+
+def test_a_state_is_compared_with_the_original_by_what_its_records_bear(outcome):
+    found = {name: state.incremental for name, state in outcome.results.states.items()}
+    for each in found.values():
+        [record] = each.records
+        assert 0.0 < record.pga_collapse_g - record.pga_safe_g <= 0.05
+        assert each.fragility.pga_collapse_g == each.mean_pga_collapse_g == record.pga_collapse_g
+    before, after = (found[name].mean_pga_collapse_g for name in ("original", "base turned"))
+    [row] = outcome.results.comparison
+    assert (row.dynamic_pga_g, row.static_pga_g) == (after, None)
+    assert row.dynamic_reduction == pytest.approx(1.0 - after / before)
+
+
+def test_its_figures_tables_and_chapter_are_there(outcome, tmp_path):
+    names = {picture.name for picture in pictures(outcome.results)}
+    assert "incremental" in names and "fragility" not in names  # one record has no scatter
+    draw_sections(outcome.results, tmp_path, "incremental")
+    filled = {table.name for table in tables(outcome.results) if table.rows}
+    assert {"incremental", "incremental_states", "incremental_curves", "static_dynamic"} <= filled
+    words = words_of(outcome.results)
+    assert f"<h3>{words('section.incremental')}</h3>" in render_html(outcome.results, tmp_path, words)
 
 
 STATICS = ("self-weight", "settlement", "friction at rest, as drawn", "friction at rest, settled")
 
 
 def test_the_time_step_is_halved_over_all_levels_and_the_finest_counts(project):
-    asked = project.incremental.model_copy(update={"states": ("original",), "records": ("wave.csv",)})
+    asked = project.incremental.model_copy(update={"states": ("original",), "records": ("wave1.csv",)})
     standard = project.model_copy(update={"campaign": None, "incremental": asked, "accuracy": 0.1})
     fine = plain(run(standard, build_model(standard), 1).results)
     rows = fine["convergence"]["incremental"]

@@ -9,8 +9,16 @@ import pytest
 
 from assessment.analyses import lateral
 from assessment.analyses import lateral as module
-from assessment.analyses.capacity import rigid_branch, way_of_blocks
-from assessment.analyses.lateral import _rigid_notes, rests_or_moves, rigid_push, second_solver
+from assessment.analyses.capacity import activation_of, rigid_branch, way_of_blocks
+from assessment.analyses.lateral import (
+    PushSetting,
+    _rigid_notes,
+    push,
+    rests_or_moves,
+    rigid_push,
+    second_solver,
+)
+from assessment.benchmark.measure import rectangle
 from assessment.cli.main import main
 from assessment.project.catalogue.geometry import rectangle as outline
 from assessment.project.catalogue.new_project import write_drawing
@@ -20,7 +28,7 @@ from assessment.project.schema import ControlTable
 from assessment.results.schema.part import plain
 from assessment.results.schema.static import RigidPush
 from assessment.workflow.stages import run as analyse
-from mechanics import Material, Pushover, limit_analysis, pushdown, pushover
+from mechanics import Assembly, Block, Material, Pushover, limit_analysis, pushdown, pushover
 from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.messages import Message, message
 from mechanics.procedures import limit_in
@@ -334,3 +342,29 @@ def test_a_curve_whose_joints_slide_and_crush_says_what_it_is_not_held_against()
     path = pushover(on_base(stone, (-1.0, -1.0, 3.0), (0.0, 0.0, 1.0, 1.0)), increment=0.05, until=0.9)
     curve = rigid_push(ControlTable(name="C", point_m=(0.0, 1.0)), path)
     assert any("joints slide and can be crushed" in text for text in _rigid_notes(curve, path))
+
+
+def test_a_wall_as_drawn_that_meets_another_is_told_what_activates_it():
+    """A panel of 4.2 × 0.6 m turns at α = t/h = 1/7, and after the 20 mm to its neighbour both have to turn."""
+    stone = Material(18.0, 0.7)
+    base, wall, neighbour = (
+        Block(rectangle(x0, z0, x1, z1), 1.0, stone, support=support)
+        for x0, z0, x1, z1, support in (
+            (-1.0, -0.3, 4.0, 0.0, "base"), (0.0, 0.0, 0.6, 4.2, None), (0.62, 0.0, 2.02, 4.2, None),
+        )
+    )  # fmt: skip
+    model, control = Assembly([base, wall, neighbour]), ControlTable(name="top", point_m=(0.6, 4.2))
+    setting = PushSetting("rigid", "associative", increment=0.005)
+    [pushed] = push(model, "original", None, setting, ("+x",), (control,))
+    curve = pushed.value.curves.rigid
+    assert curve.alpha_onset == pytest.approx(1.0 / 7.0, rel=1e-6) and curve.alpha_0 > 1.5 / 7.0
+    [warning] = [each for each in pushed.warnings if "met others" in each]
+    assert "blocks move from α = 0.1429 on; by d = 0.0203 m they have met others" in warning
+    assert "da α = 0,1429 in poi" in in_italian(warning)
+    first = activation_of(model, curve.alpha_onset, curve.onset)
+    assert (first.alpha, first.e_star) == pytest.approx((1.0 / 7.0, 1.0), rel=1e-6), "one block, e* = 1"
+    assert curve.onset.moving_weight_kN == pytest.approx(18.0 * 0.6 * 4.2)
+    assert curve.mechanism.moving_weight_kN > 2.0 * curve.onset.moving_weight_kN
+    [alone] = push(Assembly([base, wall]), "original", None, setting, ("+x",), (control,))
+    assert not any("meet others" in each for each in alone.warnings)
+    assert alone.value.curves.rigid.onset is None

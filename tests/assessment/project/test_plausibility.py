@@ -14,96 +14,64 @@ from assessment.report.tables.structure import layers
 from assessment.workflow.checking import describe, read_motions
 from tests import ROOT
 from tests.support.block_project import ASSESSMENT, HAZARD, PROJECT, PUSHED, block, edit, write_block
+from tests.support.rows import rows
 
 MOVED = '[[settlements]]\nname = "down"\nsupport = "base"\ndisplacement_m = [0.0, -0.01]\n'
 SITE = PROJECT + ASSESSMENT
-
-CASES = {  # what is meant: text of the project, its replacement, the warning
-    "friction in degrees": (
-        PROJECT, "friction = 0.7", "friction = 35",
-        "material.friction: 35 is the tangent of 88.4°; write 0.7 if an angle of 35° was meant",
-    ),
-    "friction of no stone": (
-        PROJECT, "friction = 0.7", "friction = 1.6",
-        "material.friction: 1.6 is the tangent of 58°; stone on stone has 0.4 to 0.8; write inf",
-    ),
-    "friction of a layer": (
-        PROJECT, "[layers.BASE]", "[layers.BASE]\nfriction = 40",
-        "layers.BASE.friction: 40 is the tangent",
-    ),
-    "unit weight in kg/m³": (
-        PROJECT, "= 18.0", "= 1800.0",
-        "material.unit_weight_kN_m3: 1800 kN/m³ is no masonry's; write 17.7 if kg/m³ were meant",
-    ),
-    "unit weight in N/m³": (PROJECT, "= 18.0", "= 18000.0", "write 18 if N/m³ were meant"),
-    "unit weight in t/m³": (PROJECT, "= 18.0", "= 1.8", "write 17.7 if t/m³ were meant"),
-    "unit weight of nothing": (PROJECT, "= 18.0", "= 90.0", "masonry has 5 to 40"),
-    "stiffness in N/mm³": (
-        PROJECT.replace('["rigid"]', '["rigid", "elastic"]'), "= 1e6", "= 1.0",
-        "material.normal_stiffness_kN_m3: with 1 kN/m³ the weight alone presses block 1 into its bed by 18 of",
-    ),
-    "stiffness that sinks a block by 1.1 hundredths": (
-        PROJECT.replace('["rigid"]', '["rigid", "elastic"]'), "= 1e6", "= 1636.0", "bed by 0.011 of its height",
-    ),
-    "movement in mm": (
-        block() + MOVED + PUSHED, "[0.0, -0.01]", "[0.0, -10.0]",
-        "settlements[1].displacement_m: 10 m is more than the whole structure (4.5 m); write 0.01 if mm were meant",
-    ),
-    "rotation in degrees": (
-        PROJECT, "rotation_rad = -0.02", "rotation_rad = -2.0",
-        "settlements[1].rotation_rad: 2 rad are 115°; write 0.0349 if degrees were meant, 0.002 if mrad",
-    ),
-    "depth in mm": (
-        PROJECT, "depth_m = 1.0", "depth_m = 500.0", "geometry.depth_m: 500 m out of plane; write 0.5 if mm were",
-    ),
-    "unit of the drawing": (
-        block() + PUSHED.replace("0.2", "0.0002"), 'unit = "m"', 'unit = "mm"',
-        'geometry.unit: with "mm" the structure is 0.0045 m large; write the unit of the drawing',
-    ),
-    "a_g in m/s²": (
-        SITE, "ag_g = 0.261", "ag_g = 2.56",
-        "assessment.site.SLV.ag_g: 2.56 g at SLV is outside 0.0364 to 0.278 g, which Italian sites have at 475 years "
-        "(Allegato B); write 0.261 if m/s² were meant; write 0.256 if g/10 were meant",
-    ),
-    "T_C* in ms": (
-        SITE, "Tc_star_s = 0.35", "Tc_star_s = 350.0",
-        "350 s is outside 0.1 to 0.6 s, which Italian sites have (Allegato B); write 0.35 if ms were meant",
-    ),
-    "T_C* of no site": (
-        SITE, "Tc_star_s = 0.35", "Tc_star_s = 0.75", "Tc_star_s: 0.75 s is outside 0.1 to 0.6 s, which Italian",
-    ),
-    "F0 of no site": (
-        SITE, "F0 = 2.36", "F0 = 3.36", "assessment.site.SLV.F0: 3.36 is outside 2.2 to 3.3, which Italian sites have",
-    ),
-    "a_g of another return period": (
-        SITE, "SLC = {ag_g = 0.334", "SLC = {ag_g = 0.414",
-        "SLC.ag_g: 0.414 g at SLC is outside 0.0427 to 0.403 g, which Italian sites have at 975 years (Allegato B); "
-        "compare it with the hazard of the site",
-    ),
-    "SLV below SLD": (
-        SITE, "SLV = {ag_g = 0.261", "SLV = {ag_g = 0.1",
-        "assessment.site.SLV.ag_g: 0.1 g at SLV is below the 0.104 g of SLD, which comes more often",
-    ),
-    "behaviour factor of a building": (
-        SITE, 'model = "none"', 'model = "none"\nbehaviour_factor = 6',
-        "assessment.behaviour_factor: 6 is above 2, the factor of local mechanisms",
-    ),
-    "records of the ground at height": (
-        SITE, "[pushover]", """[assessment.floor]
+AT_HEIGHT = """[assessment.floor]
 height_m = 6
 building_height_m = 9
 storeys = 3
 [[history]]
 record = "wave.csv"
 contacts = "rigid"
-[pushover]""",
-        "assessment.floor: static checks contain what the building amplifies",
-    ),
-    "confidence factor without crushing": (
-        SITE, 'model = "none"', 'model = "none"\nconfidence_factor = 1.2',
-        "assessment.confidence_factor: 1.2 is below 1.35, which Circolare 7/2019, C8.7.1.2, asks for",
-    ),
+[pushover]"""
+TEXTS = {
+    "block": PROJECT, "site": SITE, "elastic": PROJECT.replace('["rigid"]', '["rigid", "elastic"]'),
+    "moved": block() + MOVED + PUSHED, "small": block() + PUSHED.replace("0.2", "0.0002"),
 }  # fmt: skip
+CASES = rows(r"""
+# what is meant | project | a text of it | its replacement | the warning
+friction in degrees | block | friction = 0.7 | friction = 35
+    | material.friction: 35 is the tangent of 88.4°; write 0.7 if an angle of 35° was meant
+friction of no stone | block | friction = 0.7 | friction = 1.6
+    | material.friction: 1.6 is the tangent of 58°; stone on stone has 0.4 to 0.8; write inf
+friction of a layer | block | [layers.BASE] | [layers.BASE]\nfriction = 40 | layers.BASE.friction: 40 is the tangent
+unit weight in kg/m³ | block | = 18.0 | = 1800.0
+    | material.unit_weight_kN_m3: 1800 kN/m³ is no masonry's; write 17.7 if kg/m³ were meant
+unit weight in N/m³ | block | = 18.0 | = 18000.0 | write 18 if N/m³ were meant
+unit weight in t/m³ | block | = 18.0 | = 1.8 | write 17.7 if t/m³ were meant
+unit weight of nothing | block | = 18.0 | = 90.0 | masonry has 5 to 40
+stiffness in N/mm³ | elastic | = 1e6 | = 1.0
+    | material.normal_stiffness_kN_m3: with 1 kN/m³ the weight alone presses block 1 into its bed by 18 of
+stiffness that sinks a block by 1.1 hundredths | elastic | = 1e6 | = 1636.0 | bed by 0.011 of its height
+movement in mm | moved | [0.0, -0.01] | [0.0, -10.0]
+    | settlements[1].displacement_m: 10 m is more than the whole structure (4.5 m); write 0.01 if mm were meant
+rotation in degrees | block | rotation_rad = -0.02 | rotation_rad = -2.0
+    | settlements[1].rotation_rad: 2 rad are 115°; write 0.0349 if degrees were meant, 0.002 if mrad
+depth in mm | block | depth_m = 1.0 | depth_m = 500.0 | geometry.depth_m: 500 m out of plane; write 0.5 if mm were
+unit of the drawing | small | unit = "m" | unit = "mm"
+    | geometry.unit: with "mm" the structure is 0.0045 m large; write the unit of the drawing
+a_g in m/s² | site | ag_g = 0.261 | ag_g = 2.56
+    | assessment.site.SLV.ag_g: 2.56 g at SLV is outside 0.0364 to 0.278 g, which Italian sites have at 475 years
+    (Allegato B); write 0.261 if m/s² were meant; write 0.256 if g/10 were meant
+T_C* in ms | site | Tc_star_s = 0.35 | Tc_star_s = 350.0
+    | 350 s is outside 0.1 to 0.6 s, which Italian sites have (Allegato B); write 0.35 if ms were meant
+T_C* of no site | site | Tc_star_s = 0.35 | Tc_star_s = 0.75 | Tc_star_s: 0.75 s is outside 0.1 to 0.6 s, which Italian
+F0 of no site | site | F0 = 2.36 | F0 = 3.36
+    | assessment.site.SLV.F0: 3.36 is outside 2.2 to 3.3, which Italian sites have
+a_g of another return period | site | SLC = {ag_g = 0.334 | SLC = {ag_g = 0.414
+    | SLC.ag_g: 0.414 g at SLC is outside 0.0427 to 0.403 g, which Italian sites have at 975 years (Allegato B);
+    compare it with the hazard of the site
+SLV below SLD | site | SLV = {ag_g = 0.261 | SLV = {ag_g = 0.1
+    | assessment.site.SLV.ag_g: 0.1 g at SLV is below the 0.104 g of SLD, which comes more often
+behaviour factor of a building | site | model = "none" | model = "none"\nbehaviour_factor = 6
+    | assessment.behaviour_factor: 6 is above 2, the factor of local mechanisms
+records of the ground at height | site | [pushover] | AT_HEIGHT
+    | assessment.floor: static checks contain what the building amplifies
+confidence factor without crushing | site | model = "none" | model = "none"\nconfidence_factor = 1.2
+    | assessment.confidence_factor: 1.2 is below 1.35, which Circolare 7/2019, C8.7.1.2, asks for
+""")
 
 
 def warned(folder: Path) -> list[str]:
@@ -113,20 +81,19 @@ def warned(folder: Path) -> list[str]:
     ]
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_what_was_probably_meant_is_said(tmp_path, case):
-    text, old, new, said = CASES[case]
-    folder = write_block(tmp_path / "block", text)
+@pytest.mark.parametrize(("case", "text", "old", "new", "said"), CASES)
+def test_what_was_probably_meant_is_said(tmp_path, case, text, old, new, said):
+    folder = write_block(tmp_path / "block", TEXTS[text])
     (folder / "wave.csv").touch()
-    if case == "unit of the drawing":
+    if text == "small":
         edit(folder, "[0.3, 4.2]", "[0.0003, 0.0042]")
         edit(folder, "[-0.3, 4.2]", "[-0.0003, 0.0042]")
     else:
         assert warned(folder) == []
-    edit(folder, old, new)
+    edit(folder, old, new.replace("AT_HEIGHT", AT_HEIGHT))
     warning, *others = warned(folder)
     assert warning.startswith("project.toml: ") and said in warning
-    assert len(others) == (case == "a_g in m/s²")  # SLC is then below SLV
+    assert len(others) == ("ag_g = 2.56" in new)  # SLC is then below SLV
 
 
 def test_infinite_inputs_are_echoed_as_they_are_written(project):

@@ -7,6 +7,7 @@ import pytest
 from assessment.project.model import build_model
 from assessment.project.project import ProjectError, load_project
 from tests.support.contract_project import CONTRACT, HAZARD, MINIMAL, load, message, write_named_files
+from tests.support.rows import rows
 from tests.support.surveyed_arch import CROWN, PIER, SPRINGING, entry, write_surveyed
 
 
@@ -25,7 +26,7 @@ CAMPAIGN = '[campaign]\nrecords = "records/b.csv"\n'
 FLOOR = "[assessment.floor]\nheight_m = 7.0\nbuilding_height_m = 10.0\nstoreys = 3\nperiod_s = 0.4\n"
 
 
-TOLD = r"""
+TOLD = rows(r"""
 # unknown keys, with the nearest
 max_scale = 5.0 | max_scale = 5.0\nvertical_record = "a" | incremental.vertical_record | a key of [history]
 depth_m = 0.10 | depth_m = 0.10\ndepht_m = 1 | geometry.depht_m | unknown key; did you mean "depth_m"?
@@ -115,11 +116,11 @@ vertical_load_kN = 9.1 | variable_load_kN = 2\nuse_category = "I" | layers.ROOF.
 vertical_load_kN = 9.1 | variable_load_kN = 2\nuse_category = "A"\npsi_2 = 0.5 | layers.ROOF.psi_2 | "A" has 0.3
 model = "trilinear" | knowledge = {geometry = 0.05} | assessment.knowledge | construction, mechanical, ground missing
 ["+x", "-x"] | ["+x", "+x"] | pushover.directions | an entry appears twice
-""".splitlines()
+""")
 
 # old text, new text, key, what the message must hold
 WRONG = [
-    *(tuple(field.strip().replace("\\n", "\n") for field in line.split("|")) for line in TOLD if "|" in line),
+    *TOLD,
     (
         "friction = 0.6", "tangential_stiffness_kN_m3 = 1e300", "material.tangential_stiffness_kN_m3",
         "1e+300 is more than 1e+11; write inf for a joint that is rigid in shear",

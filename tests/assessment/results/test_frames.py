@@ -1,12 +1,14 @@
 """Frames of paths and what is derived from them: joint forces, conditions, reactions, thrust."""
 
+import json
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from assessment.report.tables.mechanisms import balance, joint_table, reactions
-from assessment.report.tables.structure import edge_pressures
+from assessment.report.tables.structure import edge_pressures, pushover_curves
 from assessment.results.frames import MOST, chosen, pushdown_frames, pushover_frames, snapshots
 from assessment.results.joint_states import (
     Met,
@@ -19,7 +21,9 @@ from assessment.results.joint_states import (
     situations,
     thrust_lines,
 )
+from assessment.results.table import sense
 from mechanics import Material, pushdown, pushover, time_history
+from mechanics.pictures import place
 from mechanics.steps.equilibrium import reaction
 from tests.support.analysed import SETTLED, analysed
 from tests.support.structures import block_on_base, on_base, semicircular_arch
@@ -291,3 +295,28 @@ def test_frames_of_a_motion_hold_what_the_joints_carry(contacts):
         )
         assert abs(centre - 0.5) == pytest.approx(0.5 * push / 0.2, abs=0.02)
         assert len(seen.force_kN) == len(seen.centre) == len(seen.time_s)
+
+
+PUSHED = [(state, direction) for state in ("original", SETTLED) for direction in ("+x", "-x")]
+
+
+@pytest.mark.parametrize(("state", "direction"), PUSHED)
+@pytest.mark.parametrize("contacts", ["rigid", "elastic"])
+def test_curves_are_in_the_axes_of_the_model(state, direction, contacts):
+    """Displacements of −x were those of a mirror image: the control point goes where the frames show it."""
+    results = analysed()
+    stage = results["states"][state]["pushover"][direction][contacts]
+    d = np.array(stage["curve"]["displacement_m"])
+    assert d[0] == 0.0 and "-0.0" not in json.dumps(stage["curve"]["displacement_m"][:1])
+    [control] = results["geometry"]["controls"]
+    owner, drawn = np.array([control["block"]]), np.array([control["point_m"]])
+    centroids = outlines(typed(results)).centroids
+    at = [place(drawn, owner, centroids, np.array(each))[0, 0] for each in stage["frames"]["configuration"]]
+    np.testing.assert_allclose(d[stage["frames"]["index"]], np.array(at) - at[0], atol=2e-6)
+    assert sense(direction) * d[-1] > 0.0
+    listed = [
+        row["displacement_m"]
+        for row in pushover_curves(typed(results)).rows
+        if (row["state"], row["direction"], row["contacts"]) == (state, direction, contacts)
+    ]
+    assert listed == d.tolist()

@@ -11,7 +11,7 @@ from assessment.project.project import load_project
 from assessment.report.chapters.judgement import told
 from assessment.report.chapters.synthesis import lead
 from assessment.report.language import Words
-from assessment.report.tables import dynamic, structure
+from assessment.report.tables import dynamic
 from assessment.report.tables.mechanisms import balance
 from assessment.results.frames import tie_ends
 from assessment.results.hand_check import hand_checks
@@ -122,26 +122,6 @@ def test_the_hand_check_and_the_balance_count_the_tie(drawn):
     assert all(abs(each.hand_deviation) < 1e-3 for each in checks.values())
     tied = [row for row in balance(drawn).rows if row["state"] == "strengthened"]
     assert len(tied) == 2 and all(each["unbalanced"] < 1e-6 for each in tied)
-
-
-def test_the_second_solver_agrees_with_ties(drawn):
-    for direction in ("+x", "-x"):
-        found = drawn.states["strengthened"].pushover[direction].rigid.second_solver
-        assert abs(found.relative_difference) < 1e-6
-
-
-def test_capacities_stand_beside_those_of_the_state_before(drawn):
-    rows = {(row["state"], row["direction"]): row for row in structure.strengthening(drawn).rows}
-    for direction in ("+x", "-x"):
-        before, after = drawn.states["original"], drawn.states["strengthened"]
-        was, row = rows["original", direction], rows["strengthened", direction]
-        assert (row["of"], row["limit_state"]) == ("original", "SLV")
-        assert was["alpha_0"] == before.pushover[direction].rigid.alpha_0
-        assert row["alpha_0"] == after.pushover[direction].rigid.alpha_0
-        assert was["d_0_m"] == before.pushover[direction].rigid.d_0_m
-        a_g = [state.capacity[direction].SLV.a_g_g for state in (before, after)]
-        assert [was["a_g_g"], row["a_g_g"]] == a_g and row["gain"] == a_g[1] / a_g[0] - 1.0
-        assert row["zeta_E"] == after.capacity[direction].SLV.zeta_E
 
 
 def test_ends_of_ties_move_with_their_blocks_so_many_times_as_far(drawn):

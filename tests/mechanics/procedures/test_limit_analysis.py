@@ -11,12 +11,12 @@ from mechanics.errors import CollapseError
 from mechanics.kernels.joint import H
 from mechanics.model.contacts import end_gaps, forces_on_blocks
 from mechanics.procedures import limit_in, static_theorem
-from mechanics.procedures.limit_analysis import hinges
+from mechanics.procedures.limit_analysis import friction_work, hinges, virtual_work_multiplier
 from mechanics.procedures.push_path import PUSHOVER
 from mechanics.procedures.static_theorem import PointForces
 from mechanics.program import end_forces
 from tests.support.drawn_projects import drawn, tables
-from tests.support.random_masonry import random_masonry
+from tests.support.random_masonry import random_masonry, small_wall
 from tests.support.structures import (
     arch_on_piers,
     block_on_base,
@@ -170,3 +170,22 @@ def test_the_least_multiplier_of_a_mechanism_that_no_load_holds_is_found():
     model = built(Material(20.0, 0.35), *stones, left=(-0.5, -0.3, 1.0, 0.0), right=(1.0, -0.3, 3.0, 0.0))
     settled = pushdown(model, "right", (0.0168, -0.0559), rotation=-0.009, increment=0.002).final
     assert limit_analysis(model, "+x", settled).alpha == pytest.approx(0.0, abs=1e-8)
+
+
+@pytest.mark.parametrize("motion", [(0.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0)])
+def test_a_motion_on_which_the_horizontal_load_does_no_work_has_no_multiplier(motion):
+    """A mechanism where blocks fall by themselves: a division by zero that stops no run, and is no finite number."""
+    model = block_on_base()
+    assert not np.isfinite(
+        virtual_work_multiplier(model, np.tile(motion, (len(model.initial.positions), 1)), "+x")
+    )
+
+
+@pytest.mark.parametrize("number", [47, 58, 323])
+def test_virtual_work_with_that_of_friction_gives_the_multiplier_of_what_slides(number):
+    """Without it the check misses by a third and more, and a buttressed arch that slides was refused a capacity."""
+    limit = limit_analysis(small_wall(number))
+    taken = friction_work(limit.contacts, limit.state, limit.mechanism, limit.forces)
+    found = [virtual_work_multiplier(limit.model, limit.mechanism, "+x", work) for work in (taken, 0.0)]
+    assert found[0] == pytest.approx(limit.alpha, rel=1e-6)
+    assert found[1] < 0.9 * limit.alpha

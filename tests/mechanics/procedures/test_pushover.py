@@ -9,9 +9,11 @@ from assessment.benchmark.measure import assembly, template
 from mechanics import Assembly, Block, Material, UnstableError, limit_analysis, pushdown, pushover
 from mechanics.procedures import Mirror, farthest_corner, limit_in, static_theorem
 from mechanics.procedures.peaks import may_peak
+from mechanics.steps.equilibrium import reaction
 from tests.support.drawn_projects import drawn, tables
 from tests.support.random_masonry import small_wall
 from tests.support.structures import (
+    block_on_base,
     built,
     in_bond,
     in_frame,
@@ -375,3 +377,23 @@ def test_an_elastic_pinnacle_on_a_block_of_2000_times_its_weight_bears_what_it_b
         pushover(model, increment=0.005, contacts="elastic", until=0.25).alpha_0 for model in (alone, above)
     )
     assert two == pytest.approx(one, rel=5e-3)
+
+
+def test_where_a_block_slides_the_first_of_equal_multipliers_is_the_activation():
+    model = block_on_base(0.6, 4.2, friction=0.1)
+    curve = pushover(model, (0.6, 4.2), increment=0.1)
+    assert np.ptp(curve.multiplier) < 1e-6
+    assert (curve.peak, curve.formed) == (0, 0)
+
+
+@pytest.mark.parametrize("direction", ["+x", "-x"])
+def test_forces_at_every_point_of_a_settled_curve_balance_its_loads(direction):
+    """Where the arch came to rest under gravity and is pushed again, the forces were those of the rest, without α."""
+    project, model = template("buttressed-arch"), assembly("buttressed-arch", 1)
+    (table,) = project.settlements
+    state = pushdown(model, table.support, table.displacement_m, increment=0.001).final
+    control = project.pushover_control(direction).point_m
+    curve = pushover(model, control, direction, "rigid", 0.0005, state, until=0.7)
+    for step, alpha in zip(curve.steps, curve.multiplier[1:], strict=True):
+        carried = reaction(step, np.flatnonzero(~model.movable))[0]
+        assert abs(carried) == pytest.approx(alpha * model.weight, abs=1e-4 * model.weight)

@@ -15,8 +15,6 @@ from assessment.report.document import write_tables
 from assessment.report.language import LANGUAGES, Words, cell, words_of
 from assessment.report.tables import TABLES, table
 from assessment.report.tables.capacity import indices, interventions, summary, verification
-from assessment.report.tables.mechanisms import hand_check
-from assessment.report.tables.structure import layers
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import QUANTITIES, key
 from assessment.results.summary import checks_asked, undetermined
@@ -60,25 +58,6 @@ def test_null_is_kept_apart_from_not_asked_for():
     assert "alpha_y" not in rows[SETTLED, "+x"]
 
 
-def test_layers_add_up_to_the_model():
-    results = results_example()
-    rows = layers(typed(results)).rows
-    assert sum(row["blocks"] for row in rows) == results["model"]["blocks"]
-    weight = sum(
-        row["area_m2"] * row["depth_m"] * row["unit_weight_kN_m3"] + row["vertical_load_kN"]
-        for row in rows
-        if row["support"] is None
-    )
-    assert weight == pytest.approx(results["model"]["weight_kN"])
-
-
-def test_a_layer_overrides_the_default_material():
-    results = results_example()
-    results["echo"]["layers"]["PIERS"] = {"friction": 0.4}
-    found = {row["layer"]: row["friction"] for row in layers(typed(results)).rows}
-    assert (found["PIERS"], found["ARCH"]) == (0.4, 0.6)
-
-
 def test_a_movement_that_begins_after_another_one_says_so():
     """The report stopped at a column without a label."""
     results = results_example("en")
@@ -87,10 +66,6 @@ def test_a_movement_that_begins_after_another_one_says_so():
     }
     printed = printed_tables(typed(results), Words.of("en"))["settlements"]
     assert dict(zip(printed.head, printed.rows[1], strict=True))["After"] == SETTLED
-
-
-def test_deviation_of_the_hand_check():
-    assert hand_check(typed(results_example())).rows[0]["deviation"] == pytest.approx(4e-4)
 
 
 def test_no_cell_begins_like_a_formula(tmp_path):

@@ -101,16 +101,6 @@ def test_a_broken_file_is_told_with_its_line_and_undone(session):
     assert ask(session, "state")["content"]["title"] == "Two"
 
 
-def test_undo_brings_back_what_an_editor_wrote_before_it_broke_the_file(session):
-    path = session.folder / "project.toml"
-    changed(session, [["title"], "Two"])
-    edit(session.folder, '"Two"', '"By hand"')
-    good = ask(session, "state")["digest"]
-    path.write_text("title = \n", encoding="utf-8")
-    ask(session, "undo", digest=ask(session, "state")["digest"])
-    assert ask(session, "state")["digest"] == good
-
-
 def test_undo_brings_a_file_back_that_was_taken_away(session):
     path = session.folder / "project.toml"
     known = changed(session, [["title"], "Two"])["digest"]
@@ -121,14 +111,6 @@ def test_undo_brings_a_file_back_that_was_taken_away(session):
     assert ask(session, "state")["content"]["title"] == "Two"
     with pytest.raises(ConflictError):
         ask(session, "undo", digest=None)
-
-
-def test_two_pages_do_not_overwrite_each_other(session):
-    known = ask(session, "state")["digest"]
-    ask(session, "edit", digest=known, changes=[[["title"], "One"]])
-    with pytest.raises(ConflictError):
-        ask(session, "edit", digest=known, changes=[[["title"], "Other"]])
-    assert ask(session, "state")["content"]["title"] == "One"
 
 
 def test_a_page_of_another_project_changes_nothing_and_is_told(session):

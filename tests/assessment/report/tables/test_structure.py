@@ -1,4 +1,4 @@
-"""The table of cracks against the geometry of one rotation, and the drawing whose numbers it is read with."""
+"""Cracks against the geometry of one rotation, and the drawing whose numbers they are read with; layers."""
 
 import matplotlib as mpl
 import numpy as np
@@ -10,7 +10,7 @@ from assessment.report.chapters.remarks import survey as survey_sentences
 from assessment.report.figures import deformed
 from assessment.report.figures.deformed import draw_cracks
 from assessment.report.language import words_of
-from assessment.report.tables.structure import PRINTED, SEEN, cracks, survey_table
+from assessment.report.tables.structure import PRINTED, SEEN, cracks, layers, survey_table
 from mechanics.pictures import STYLE
 from tests.support.results_example import SETTLED, results_example
 from tests.support.typed import typed
@@ -113,3 +113,22 @@ def test_surveyed_cracks_stand_beside_those_of_the_nearest_joint():
         figure = draw_cracks(typed(found), words_of(typed(found)), SETTLED, 10)
     written = {text.get_text() for text in figure.findobj(Text)}
     assert {"F1", "F2", "M1"} <= written
+
+
+def test_layers_add_up_to_the_model():
+    results = results_example()
+    rows = layers(typed(results)).rows
+    assert sum(row["blocks"] for row in rows) == results["model"]["blocks"]
+    weight = sum(
+        row["area_m2"] * row["depth_m"] * row["unit_weight_kN_m3"] + row["vertical_load_kN"]
+        for row in rows
+        if row["support"] is None
+    )
+    assert weight == pytest.approx(results["model"]["weight_kN"])
+
+
+def test_a_layer_overrides_the_default_material():
+    results = results_example()
+    results["echo"]["layers"]["PIERS"] = {"friction": 0.4}
+    found = {row["layer"]: row["friction"] for row in layers(typed(results)).rows}
+    assert (found["PIERS"], found["ARCH"]) == (0.4, 0.6)
