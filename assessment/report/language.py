@@ -12,7 +12,7 @@ from markupsafe import Markup, escape
 
 from assessment.ntc.tables import ROCK
 from assessment.results.schema import QUANTITIES, Quantity, Results, ratio_decimals, unit_of
-from assessment.results.table import Row
+from assessment.results.table import Row, reference_of
 from assessment.runtime.files import template_table
 from mechanics.messages import Message, english, filled
 
@@ -45,15 +45,19 @@ class _Shown:
 
 @dataclass(frozen=True)
 class Words:
-    """Strings of `templates/strings.toml` in a language, found by dotted keys; numbers with its decimal mark."""
+    """Strings of `templates/strings.toml` in a language, found by dotted keys; numbers with its decimal mark.
+
+    `reference`: where the a_g of the checks is, on rock or at the surface.
+    """
 
     language: str
     strings: Mapping[str, Any]
+    reference: str = ROCK
 
     @classmethod
-    def of(cls, language: str) -> Self:
+    def of(cls, language: str, reference: str = ROCK) -> Self:
         """Return the words of a language."""
-        return cls(language, _strings(language))
+        return cls(language, _strings(language), reference)
 
     def __call__(self, key: str, **values: object) -> Markup:
         """Return the string as HTML, its {fields} shown by `field`, {fields:quantity} by `told`, and escaped."""
@@ -169,7 +173,7 @@ def words_of(results: Results) -> Words:
     language = results.echo.report.get("language")
     if language not in LANGUAGES:
         raise ValueError(f"report.language = {language!r}: must be one of {', '.join(LANGUAGES)}")
-    return Words(language, _strings(language))
+    return Words.of(language, reference_of(results))
 
 
 @cache
@@ -266,15 +270,12 @@ def indexed(label: str) -> Markup:
     return Markup(INDEX.sub(r"<sub>\1</sub>", str(Markup.escape(label))))
 
 
-def label(name: str, words: Words, reference: str = ROCK) -> str:
-    """Return what a quantity is called, with its unit; of an acceleration what it refers to.
-
-    `reference`: of the a_g of the checks, `ROCK` or `SURFACE`.
-    """
+def label(name: str, words: Words) -> str:
+    """Return what a quantity is called, with its unit; of an acceleration what it refers to."""
     found = QUANTITIES[name]
     text = found.label[words.language]
     if found.ground:
-        text += " " + words.plain(f"value.on_{reference if found.ground == ROCK else found.ground}")
+        text += " " + words.plain(f"value.on_{words.reference if found.ground == ROCK else found.ground}")
     return f"{text} [{words.name('unit', found.printed_unit)}]" if found.printed_unit else text
 
 
@@ -291,9 +292,9 @@ def scale(name: str) -> float:
     return QUANTITIES[name].factor
 
 
-def heading(name: str, words: Words, reference: str = ROCK) -> Markup:
+def heading(name: str, words: Words) -> Markup:
     """Return the heading of a column: see `label`."""
-    return indexed(label(name, words, reference))
+    return indexed(label(name, words))
 
 
 def cell(name: str, row: Row, words: Words, significant: int = 3) -> Markup:

@@ -11,7 +11,6 @@ from typing import Any
 
 from markupsafe import Markup
 
-from assessment.ntc.tables import ROCK
 from assessment.report import language
 from assessment.report.chapters.remarks import worked_by_hand
 from assessment.report.tables import TABLES, dynamic, mechanisms, structure, studies, without
@@ -20,7 +19,7 @@ from assessment.report.tables.structure import reported_cracks, survey_table
 from assessment.results import hand_check
 from assessment.results.schema import QUANTITIES, Line, Results, present
 from assessment.results.summary import index_limit, index_of, least_row, printed, undetermined
-from assessment.results.table import Row, Table, cells, reference_of
+from assessment.results.table import Row, Table, cells
 from assessment.runtime.files import template_table
 
 # tables that the report prints as the CSV files have them
@@ -42,17 +41,17 @@ class Grid:
 
 
 def grid(
-    table: Table, words: language.Words, caption: Markup, significant: int = 3, reference: str = ROCK,
+    table: Table, words: language.Words, caption: Markup, significant: int = 3,
     heads: Mapping[str, Markup] = MappingProxyType({}),
 ) -> Grid:  # fmt: skip
     """Write a table for the report, without the columns that no row has.
 
-    `reference`: of a_g, rock or surface; `heads`: headings of columns that are called otherwise in this table.
+    `heads`: headings of columns that are called otherwise in this table.
     """
     columns = [column for column in table.columns if any(column in row for row in table.rows)]
     return Grid(
         caption,
-        [heads.get(column) or language.heading(column, words, reference) for column in columns],
+        [heads.get(column) or language.heading(column, words) for column in columns],
         [[language.cell(column, row, words, significant) for column in columns] for row in table.rows],
         [column in QUANTITIES and QUANTITIES[column].words for column in columns],
     )
@@ -87,13 +86,13 @@ def printed_tables(results: Results, words: language.Words) -> dict[str, Grid]:
         mechanisms.hand_check(results),
         without(mechanisms.second_solver(results), "sliding"),
         Table("echo", list(echoed(printed(results.echo), words)), ("table", "setting", "value")),
-        ranges_table(studies.static_ranges(results).rows, words, reference_of(results)),
+        ranges_table(studies.static_ranges(results).rows, words),
         *(TABLES[name](results) for name in AS_THEY_ARE.split()),
     ]
     grids = {}
     for table in (each for each in found if each.rows):
-        caption, digits = words(f"caption.{table.name}"), SIGNIFICANT.get(table.name, 3)
-        grids[table.name] = grid(table, words, caption, digits, reference_of(results))
+        caption = words(f"caption.{table.name}")
+        grids[table.name] = grid(table, words, caption, SIGNIFICANT.get(table.name, 3))
     return grids
 
 
@@ -118,7 +117,7 @@ def check_grids(results: Results, words: language.Words) -> Iterator[Grid]:
         rows += [open_ | {"direction": way} for way in missing]
         if rows:
             caption = words("caption.checks", state=name, factor=factor)
-            yield grid(replace(whole, rows=rows), words, caption, reference=reference_of(results))
+            yield grid(replace(whole, rows=rows), words, caption)
 
 
 def _checked(table: Table, place: str) -> Table:
@@ -176,7 +175,7 @@ def _interventions(results: Results) -> Table:
     return Table("compared", rows, tuple(columns.split()))
 
 
-def ranges_table(found: Iterable[Row], words: language.Words, reference: str = ROCK) -> Table:
+def ranges_table(found: Iterable[Row], words: language.Words) -> Table:
     """Return the ranges of paths that scatter: a row a quantity, under the contacts or the check that it is of.
 
     Ratios are left out: they are those of the a_g above them.
@@ -186,7 +185,7 @@ def ranges_table(found: Iterable[Row], words: language.Words, reference: str = R
         name, limit = each["quantity"], each.get("limit_state")
         ends = {"used": each["value"], "lowest": each["lowest"], "highest": each["highest"]}
         row: Row = {key: each[key] for key in ("state", "direction", "contacts") if key in each}
-        row["quantity"] = language.heading(name, words, reference) + (
+        row["quantity"] = language.heading(name, words) + (
             f" {language.check_name(limit, words)}" if limit else ""
         )
         rows.append(row | {key: language.written(name, end, words) for key, end in ends.items()})

@@ -144,9 +144,7 @@ def worst_scenario(results: Results, words: Words) -> Iterator[Markup]:
         where = {"state": worst.state, "movement": worst.movement_m, "direction": worst.direction}
         what = {"capacity": compared(worst, found.quantity), "limit": found.limit_state, "among": among}
         key = f"judgement.worst_{'collapses' if worst.collapses else found.quantity}"
-        sentence = words(
-            key, **where, **what, reference=words.plain(f"value.stated_on_{reference_of(results)}")
-        )
+        sentence = words(key, **where, **what, reference=words.plain(f"value.stated_on_{words.reference}"))
         if not worst.collapses and worst.reduction is not None:
             sentence += Markup(" ") + words("judgement.worst_reduction", reduction=worst.reduction)
         yield sentence
@@ -157,7 +155,7 @@ def _sensitive(results: Results, words: Words) -> Iterator[Markup]:
     wide = [(bar.swing_g, bar) for bar in every if bar.swing_g]
     if found and wide:
         _, widest = max(wide, key=itemgetter(0))
-        reference = words.plain(f"value.stated_on_{reference_of(results)}")
+        reference = words.plain(f"value.stated_on_{words.reference}")
         what = {"property": words.plain(f"value.{widest.property}"), "reference": reference}
         factors = {"low": widest.low_factor, "high": widest.high_factor}
         ends = {"least": min(widest.capacities()), "most": max(widest.capacities())}
@@ -209,7 +207,7 @@ def all_warnings(results: Results) -> list[str]:
 
 def told(results: Results) -> str:
     """Return what the terminal tells, in English: findings, model, table of the first page, best movement."""
-    words = Words.of("en")
+    words = Words.of("en", reference_of(results))
     lines = [*map(plain_text, findings(results, words)), "", model_summary(results)]
     if grid := synthesis_grid(results, words):
         texts = [[plain_text(cell) for cell in row] for row in (grid.head, *grid.rows)]

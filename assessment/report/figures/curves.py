@@ -11,7 +11,7 @@ from assessment.report.language import Words, direction_name, label, scale
 from assessment.report.tables.mechanisms import alpha_at_d_0, elastic_capacity
 from assessment.report.tables.studies import ROUNDING, bars
 from assessment.results.schema import Direction, Pushovers, Results, known, present
-from assessment.results.table import compared, reference_of, sense
+from assessment.results.table import compared, sense
 from mechanics.pictures import MARKS
 from mechanics.types import GRAVITY
 
@@ -173,7 +173,7 @@ def draw_spectra(results: Results, words: Words, views: Views, limit: str) -> Fi
                 circle: dict[str, Any] = {"marker": "o", "markerfacecolor": "1.0", "markersize": 5}
                 axes.plot(d_star, secant, color="0.0", linestyle="none", **circle)
                 axes.annotate(f"T_{limit}", (d_star, secant), (5.0, 6.0), **NAMED)
-    reference = words.plain(f"value.on_{reference_of(results)}")
+    reference = words.plain(f"value.on_{words.reference}")
     borne = words.plain("figure.borne_spectrum", limit=limit, reference=reference)
     demanded = words.plain(f"figure.demand_{demand}", limit=limit)
     lines = [key(borne, linewidth=0.9), key(demanded, linewidth=0.9, linestyle=DASHES[2])]
@@ -250,7 +250,7 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel(label("movement_m", words))
-    axes.set_ylabel(_capacity(results, words, found.quantity, found.limit_state))
+    axes.set_ylabel(_capacity(words, found.quantity, found.limit_state))
     legend(figure)
     return figure
 
@@ -280,19 +280,18 @@ def draw_tornado(results: Results, words: Words, states: Sequence[str]) -> Figur
         margin = 0.18 * span if span > ROUNDING * max(shown) else 0.2 * max(shown)
         axes.set_xlim(min(shown) - margin, max(shown) + margin)
         axes.grid(visible=False, axis="y")
-        reference = words.plain(f"value.on_{reference_of(results)}")
+        reference = words.plain(f"value.on_{words.reference}")
         told = {"state": state, "capacity": base, "reference": reference}
         axes.set_title(words.plain("figure.tornado_base", **told))
     limit = known(results.sensitivity).limit_state
-    panels[-1].set_xlabel(_capacity(results, words, "a_g_g", limit))
+    panels[-1].set_xlabel(_capacity(words, "a_g_g", limit))
     legend(figure)
     return figure
 
 
-def _capacity(results: Results, words: Words, name: str, limit: str | None) -> str:
+def _capacity(words: Words, name: str, limit: str | None) -> str:
     """Return the label of an axis of a capacity: an acceleration with its limit state."""
-    text = label(name, words, reference_of(results))
-    return f"{limit}: {text}" if name == "a_g_g" else text
+    return f"{limit}: {label(name, words)}" if name == "a_g_g" else label(name, words)
 
 
 def varied(results: Results) -> list[str]:

@@ -41,7 +41,11 @@ from mechanics.types import Array
 
 WIDTH_MM = 168.0  # column of an A4 page with 20 mm margins, a little air included
 MM = 1.0 / 25.4  # inches
-OVER_LINES = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.6}  # behind a label that lies on lines
+OVER_LINES: dict[str, Any] = {
+    "facecolor": "1.0",
+    "edgecolor": "none",
+    "pad": 0.6,
+}  # behind a label that lies on lines
 SHADES = 64  # of a PNG in colours
 FONTS = f"'{FAMILY}', 'DejaVu Sans', Verdana, sans-serif"  # those of the PDF, then those of a screen
 BAND_MM = 1.0  # of white around a figure
@@ -235,8 +239,7 @@ ARROW = {"arrowstyle": "-|>,head_width=0.18,head_length=0.4", "shrinkA": 0.0, "s
 PLATE_MM = 2.4  # length of the plate at an end of a tie
 PLATE: dict[str, Any] = {"color": INK, "linewidth": 1.8, "solid_capstyle": "butt"}
 DIMENSION = {"arrowstyle": "|-|,widthA=0.15,widthB=0.15", "shrinkA": 0.0, "shrinkB": 0.0, "lw": 0.5}
-WHITE: dict[str, Any] = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.6}
-ON_WHITE: dict[str, Any] = {"textcoords": "offset points", "bbox": WHITE}
+ON_WHITE: dict[str, Any] = {"textcoords": "offset points", "bbox": OVER_LINES}
 
 
 def draw_model(results: Results, words: Words) -> Figure:
@@ -288,9 +291,8 @@ def draw_model(results: Results, words: Words) -> Figure:
         axes.annotate("", end, start, arrowprops=DIMENSION)
         length = float(np.hypot(end[0] - start[0], end[1] - start[1]))
         text = f"{words.comma(f'{length:.3f}'.rstrip('0').rstrip('.'))} m"
-        axes.annotate(
-            text, np.mean([start, end], axis=0), rotation=turn, ha="center", va="center", bbox=WHITE
-        )
+        middle = np.mean([start, end], axis=0)
+        axes.annotate(text, middle, rotation=turn, ha="center", va="center", bbox=OVER_LINES)
     page.legend(handles, words)
     return page.figure
 

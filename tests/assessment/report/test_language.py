@@ -44,17 +44,17 @@ def test_a_ratio_is_told_from_one():
 
 
 def test_a_value_is_written_in_the_unit_of_its_heading():
-    assert heading("d_0_m", ENGLISH, "rock").striptags() == "d0 [mm]"
+    assert heading("d_0_m", ENGLISH).striptags() == "d0 [mm]"
     assert written("d_0_m", 0.01234, ENGLISH) == "12.3"
-    assert heading("static_loss", ENGLISH, "rock").endswith("[%]")
+    assert heading("static_loss", ENGLISH).endswith("[%]")
     assert written("static_loss", 0.1234, ENGLISH) == "12", "no more digits than it is known with"
     assert written("weight_kN", 12.34, ENGLISH) == "12.3", "any other number as results.json has it"
 
 
 def test_only_the_headings_of_accelerations_say_what_they_refer_to():
-    assert ENGLISH.plain("value.on_surface") in heading("a_g_g", ENGLISH, "surface")
-    assert ENGLISH.plain("value.on_surface") in heading("pga_g", ENGLISH, "rock")
-    assert ENGLISH.plain("value.on_rock") not in heading("alpha_0", ENGLISH, "rock")
+    assert ENGLISH.plain("value.on_surface") in heading("a_g_g", Words.of("en", "surface"))
+    assert ENGLISH.plain("value.on_surface") in heading("pga_g", ENGLISH)
+    assert ENGLISH.plain("value.on_rock") not in heading("alpha_0", ENGLISH)
 
 
 def test_what_differs_by_rounding_alone_is_written_alike():
