@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any, NamedTuple, TypeVar, cast
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -29,7 +29,6 @@ from assessment.results.table import sense
 from mechanics import Assembly
 from mechanics.messages import Message, linked, message
 
-Kind = TypeVar("Kind", bound=parts.Check)
 BLOCKS = "pushover with rigid contacts, d* of the blocks over Γ*"  # where α0 and d_0 of the curve come from
 OTHER_LAW = "pushover with rigid contacts, times α0 of the other law of friction over its own"
 TOLD = 0.02  # relative difference of ζ_E between the two laws of friction that is reported
@@ -262,7 +261,8 @@ def nominal_check(
     """Return the check of the farthest limit state with F_C = 1, as motions, which shake at the surface, know none."""
     limit = known(farthest(demands))
     check = verify(replace(capacity, confidence_factor=1.0), {limit: demands[limit]}, method)[limit]
-    return check_of(parts.NominalCheck, check, 0, limit_state=limit)
+    told = {name: getattr(check, name) for name in check.model_fields_set}
+    return parts.NominalCheck(**told, limit_state=limit)
 
 
 def along_push(curve: static.Curve, direction: Direction) -> Curve:
@@ -320,18 +320,15 @@ def with_loss(method: Method, loss: LocalLoss | None) -> Method:
     )
 
 
-def check_of(kind: type[Kind], check: parts.Check, common: int, **more: Any) -> Kind:
-    """Return a check with `more` keys, of another kind perhaps, its trace but for the `common` first steps."""
-    told = {name: getattr(check, name) for name in check.model_fields_set}
-    return kind(**told | {"trace": check.trace[common:]} | more)
-
-
 def checks_of(curve: oscillator.CapacityCurve, checks: Mapping[str, parts.Check]) -> dict[str, parts.Check]:
-    """Return the checks of a capacity curve by their names; linear ones with α and e* of what is activated first."""
+    """Return the checks of a capacity curve by their names, their traces without the steps of the curve.
+
+    Linear ones have α and e* of what is activated first.
+    """
     common = len(curve.steps())
     linear = {"alpha_0": curve.activation.alpha, "e_star": curve.activation.e_star}
     return {
-        name: check_of(parts.Check, check, common, **(linear if check.method == "linear" else {}))
+        name: check.replace(trace=check.trace[common:], **(linear if check.method == "linear" else {}))
         for name, check in checks.items()
     }
 

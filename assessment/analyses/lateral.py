@@ -162,7 +162,6 @@ FRICTION: dict[Sliding, Message] = {
 AGREE = 1e-6  # relative difference of the multipliers of two solvers from which there is a warning
 LEAST = 1e-2  # a multiplier below which differences are relative to this: solvers know α to 1e-9, not its digits at 0
 CHOSEN = {"it": "scelto {direction}", "en": "chosen {direction}"}  # name of a control point
-NO_ANSWER = (mechanics.UnstableError, mechanics.NoEquilibriumError, mechanics.ConvergenceError)
 MEETS = 0.01  # of α0: a curve as drawn whose onset is lower by more rises where blocks meet others
 
 
@@ -244,7 +243,7 @@ def _path(
             return control, follow(control.point_m)
         except mechanics.ControlError:
             path = follow()
-    except (*NO_ANSWER, mechanics.ControlError) as error:
+    except (*paths.NO_ANSWER, mechanics.ControlError) as error:
         found.fail(title, error.message)
         return None
     x, z = path.control.tolist()
@@ -330,7 +329,7 @@ def rests_or_moves(model: mechanics.Assembly, name: str, start: mechanics.State)
     """
     found = Found(1.0)
     for direction in get_args(Direction):
-        with suppress(*NO_ANSWER):
+        with suppress(*paths.NO_ANSWER):
             moves = mechanics.limit_analysis(model, direction, start, "coulomb").alpha
             rests = mechanics.limit_analysis(model, direction, start, "associative").alpha
             found.value = max(known(found.value), rests / max(moves, LEAST))
@@ -394,7 +393,7 @@ def with_control(project: Project, model: mechanics.Assembly) -> tuple[Project, 
         begun = model.initial.positions
         # that of the highest corner where nothing moves
         moved = begun + np.where(model.movable[:, None], (1.0, 0.0, 0.0), 0.0)
-        with suppress(*NO_ANSWER):
+        with suppress(*paths.NO_ANSWER):
             limit = mechanics.limit_analysis(model, direction, sliding=project.contacts.sliding)
             moved = begun + 1e-6 * model.size * limit.mechanism
         (x, z), block = procedures.farthest_corner(model, begun, moved, direction)

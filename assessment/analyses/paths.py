@@ -15,6 +15,7 @@ from assessment.analyses.found import Found
 from assessment.project.schema import ControlTable, SettlementTable
 from assessment.results.frames import along_path, normal_forces, pushdown_frames
 from assessment.results.schema import LocalLoss, PushdownPath, QualityRow, known
+from mechanics import Assembly, State
 from mechanics.messages import Message, message
 from mechanics.model import Behaviour, H
 from mechanics.procedures import PATH, Pushdown, Pushover, settled, whole_movement
@@ -25,6 +26,7 @@ from mechanics.types import Array
 AT_LIMIT = 1e-5  # of the friction limit: a joint whose T is closer to it slides
 PARTING = 0.02  # of the overlap at the start: most that a joint has left where its loss fells the structure
 BEARS = 1e-3  # of the weight of the model: least force of a joint that carries
+NO_ANSWER = (mechanics.UnstableError, mechanics.NoEquilibriumError, mechanics.ConvergenceError)
 SLIDING_CARRIES = 1e-3  # of the weight of the model: the slide of a joint that carries less has no effect
 
 
@@ -50,7 +52,7 @@ def lifts(path: Pushdown | Pushover) -> Iterator[Message]:
         )  # fmt: skip
 
 
-def stand(model: mechanics.Assembly) -> Message | None:
+def stand(model: Assembly) -> Message | None:
     """Return why the structure cannot stand under its own weight; None if it can."""
     try:
         check_self_weight(model)
@@ -59,7 +61,7 @@ def stand(model: mechanics.Assembly) -> Message | None:
     return None
 
 
-def pressed_in(model: mechanics.Assembly) -> list[Message]:
+def pressed_in(model: Assembly) -> list[Message]:
     """Return a warning that names the blocks that friction alone holds in a structure that stands, if there are any."""
     held = unpressed(model).tolist()
     if not held:
@@ -103,11 +105,7 @@ def crossings(crossed: Array, increment: float) -> Iterator[Message]:
 
 
 def local_loss(
-    model: mechanics.Assembly,
-    states: Sequence[mechanics.State],
-    displacement: Array,
-    normal: Array,
-    falls: bool,
+    model: Assembly, states: Sequence[State], displacement: Array, normal: Array, falls: bool
 ) -> LocalLoss | None:
     """Return the first loss along a path: a joint that carries, whose faces overlap no longer, or a tie that breaks.
 
@@ -119,9 +117,7 @@ def local_loss(
     return min(lost, key=lambda each: each.displacement_m, default=None)
 
 
-def _broken(
-    model: mechanics.Assembly, states: Sequence[mechanics.State], displacement: Array
-) -> Iterator[LocalLoss]:
+def _broken(model: Assembly, states: Sequence[State], displacement: Array) -> Iterator[LocalLoss]:
     """Yield the ties that break along a path."""
     none = np.zeros(len(model.ties))
     longer = np.array([none if state.lengthened is None else state.lengthened for state in states])
@@ -134,11 +130,7 @@ def _broken(
 
 
 def _parted(
-    model: mechanics.Assembly,
-    states: Sequence[mechanics.State],
-    displacement: Array,
-    normal: Array,
-    falls: bool,
+    model: Assembly, states: Sequence[State], displacement: Array, normal: Array, falls: bool
 ) -> LocalLoss | None:
     """Return the first joint that carries at first or up to there, and comes to overlap no longer."""
     overlap = np.array([2.0 * model.contacts.places(state.positions)[:, H] for state in states])
@@ -157,7 +149,7 @@ def _parted(
     return _loss(model, joint, d_1 + share[joint] * (d_2 - d_1), overlap)
 
 
-def _loss(model: mechanics.Assembly, joint: int, displacement: float, overlap: Array) -> LocalLoss:
+def _loss(model: Assembly, joint: int, displacement: float, overlap: Array) -> LocalLoss:
     drawn = model.contacts
     return LocalLoss(
         displacement_m=float(displacement), joint=joint, blocks=[int(drawn.a[joint]), int(drawn.b[joint])],
@@ -195,12 +187,12 @@ class Settled:
     """A movement in plain numbers, and the state that it `reached`, at rest; None: the structure falls before."""
 
     path: PushdownPath
-    reached: mechanics.State | None
+    reached: State | None
 
 
 def settle(
-    model: mechanics.Assembly, settlement: SettlementTable, behaviour: Behaviour, sliding: Sliding,
-    control: ControlTable | None, start: mechanics.State | None = None,
+    model: Assembly, settlement: SettlementTable, behaviour: Behaviour, sliding: Sliding,
+    control: ControlTable | None, start: State | None = None,
 ) -> Found[Settled]:  # fmt: skip
     """Move a support as a scenario asks, from `start`, and return the path, with that of the control point if any."""
     began = time.perf_counter()
@@ -219,7 +211,7 @@ def settle(
         found.fail(title, collapse.message)
         assert isinstance(collapse.path, Pushdown)
         path = collapse.path
-    except (mechanics.UnstableError, mechanics.ConvergenceError, mechanics.NoEquilibriumError) as error:
+    except NO_ANSWER as error:
         found.fail(title, error.message)
     if path is not None:
         moved = _pushdown_path(path, whole, behaviour, control)
@@ -239,7 +231,7 @@ def settle(
     return found
 
 
-def rest_as_drawn(model: mechanics.Assembly, sliding: Sliding) -> mechanics.State | Message:
+def rest_as_drawn(model: Assembly, sliding: Sliding) -> State | Message:
     """Return the rest under gravity that a structure as drawn comes to on elastic joints, or why it has none."""
     try:
         return settled(model, None, sliding).state
@@ -247,9 +239,7 @@ def rest_as_drawn(model: mechanics.Assembly, sliding: Sliding) -> mechanics.Stat
         return error.message
 
 
-def not_back(
-    model: mechanics.Assembly, reached: mechanics.State, where: Message, before: mechanics.State
-) -> Message | None:
+def not_back(model: Assembly, reached: State, where: Message, before: State) -> Message | None:
     """Return what does not come back to `before`, the state `where` says, though all supports do; else None."""
     moved = reached.positions - before.positions
     if abs(moved[~model.movable]).max() > BACK * model.size:

@@ -14,7 +14,7 @@ from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL, ControlTable, MotionTable, StatesTable
 from assessment.results.frames import snapshots, while_shaken
-from assessment.results.schema.dynamic import AppliedRecord, Course, EnergyBalance, History
+from assessment.results.schema.dynamic import AppliedRecord, Counts, Course, EnergyBalance, History
 from assessment.results.schema.model import QualityRow
 from assessment.results.schema.part import known
 from assessment.results.schema.static import Pushovers
@@ -31,9 +31,8 @@ from mechanics.types import Array
 
 TAIL = 2.0  # s of free motion that are followed at a time
 TAILS = 15  # at most
-COUNTS = ("steps", "skipped", "lifting", "programs", "iterations", "halvings")
-STORED = ("kinetic", "potential", "elastic")
-ENERGIES = (*STORED, "input", "friction", "impact", "viscous", "integrator", "residual")
+COUNTS = tuple(name for name in Counts.model_fields if name != "motions")
+ENERGIES = tuple(name.removesuffix("_kNm") for name in EnergyBalance.model_fields)
 
 
 @dataclass(frozen=True)
