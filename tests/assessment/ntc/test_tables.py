@@ -3,17 +3,15 @@
 import pytest
 from scipy.optimize import brentq
 
-from assessment.ntc.spectrum import ElasticSpectrum
-from assessment.ntc.tables import (
+from assessment.ntc.risk import (
     CLASSES,
-    COMPONENTS,
     attained,
-    confidence_factor,
     expected_annual_loss,
     heritage_and_risk_indices,
-    psi_2,
     required_zeta,
 )
+from assessment.ntc.spectrum import ElasticSpectrum
+from assessment.ntc.tables import COMPONENTS, confidence_factor, psi_2
 from assessment.ntc.verification import vertical_component
 from assessment.project.model import build_model
 from assessment.project.project import load_project
