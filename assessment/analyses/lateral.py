@@ -17,7 +17,7 @@ from assessment.project.project import Project
 from assessment.project.schema import ControlTable
 from assessment.results import frames
 from assessment.results.joint_states import Met
-from assessment.results.schema import finite, known, static
+from assessment.results.schema import finite, known, present, static
 from assessment.results.table import sense
 from mechanics import procedures
 from mechanics.messages import Message, message
@@ -48,13 +48,12 @@ def rigid_push(control: ControlTable, path: procedures.Pushover) -> static.Rigid
         virtual_work_alpha=finite(by_work), mechanism_configuration=model.displaced(at).tolist(),
         final_configuration=model.displaced(path.states[-1]).tolist(),
         frames=frames.pushover_frames(model, path, met),
+        **present({"ties": frames.along_path(path, path.formed, rigid=True)}),
     )  # fmt: skip
     if path.formed:
         first = procedures.limit_in(model, direction, path.states[0], path.sliding)
         onset = _mechanism(control, met, 0, float(path.multiplier[0]), path.states[0], first)
         found = found.replace(onset=onset)
-    if ties := frames.along_path(path, path.formed, rigid=True):
-        found = found.replace(ties=ties)
     # by Coulomb's law a joint that opens may slip more than it opens, and not be one that slides
     slides = mechanism.sliding_joints or (found.onset and found.onset.sliding_joints)
     if (slides or path.sliding == "coulomb") and (other := _other_law(found, control, path, met)):
@@ -68,16 +67,15 @@ def elastic_push(path: procedures.Pushover) -> static.ElasticPush:
     yields = None  # where the control point does not advance as the load grows
     with suppress(CapacityError):
         yields = yield_point((path.displacement, np.minimum(path.multiplier, path.alpha_0)))
-    found = as_part(
+    return as_part(
         static.ElasticPush, path, alpha_u=path.alpha_0,
         d_u_m=float(path.displacement[path.peak]), curve=_curve(path),
         alpha_y=yields[1] if yields else None, d_y_m=yields[0] if yields else None,
         rest_configuration=model.displaced(path.states[0]).tolist(),
         peak_configuration=model.displaced(path.states[path.peak]).tolist(),
         frames=frames.pushover_frames(model, path, Met(model)),
+        **present({"ties": frames.along_path(path, path.peak, rigid=False)}),
     )  # fmt: skip
-    ties = frames.along_path(path, path.peak, rigid=False)
-    return found.replace(ties=ties) if ties else found
 
 
 def _mechanism(

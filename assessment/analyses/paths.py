@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ import mechanics
 from assessment.analyses.found import Found
 from assessment.project.schema import ControlTable, SettlementTable
 from assessment.results.frames import along_path, normal_forces, pushdown_frames
-from assessment.results.schema import LocalLoss, PushdownPath, QualityRow, known
+from assessment.results.schema import LocalLoss, PushdownPath, QualityRow, known, present
 from mechanics import Assembly, State
 from mechanics.messages import Message, message
 from mechanics.model import Behaviour, H
@@ -271,13 +272,12 @@ def _pushdown_path(
         point, block = control.point_m, model.block_at(control.point_m)
         moved_to = [model.point_displacement(point, block, state.positions) for state in path.states]
         along = [(each - moved_to[0]).tolist() for each in moved_to]
-    found = PushdownPath(
+    asked = int(np.argmin(abs(path.movement - whole)))
+    ties: Any = along_path(path, asked, behaviour == "rigid") if path.steps else None
+    return PushdownPath(
         sliding=path.sliding, movement_m=path.movement.tolist(), reaction_x_kN=path.reaction[:, 0].tolist(),
         reaction_z_kN=path.reaction[:, 1].tolist(), ultimate_movement_m=path.ultimate, local_loss=lost,
         applied_movement_m=whole, end=path.end, configuration=model.displaced(path.final).tolist(),
         ultimate_configuration=model.displaced(path.states[-1]).tolist() if falls else None,
-        control_displacement_m=along, frames=pushdown_frames(model, path, whole),
+        control_displacement_m=along, frames=pushdown_frames(model, path, whole), **present({"ties": ties}),
     )  # fmt: skip
-    asked = int(np.argmin(abs(path.movement - whole)))
-    ties = along_path(path, asked, behaviour == "rigid") if path.steps else None
-    return found.replace(ties=ties) if ties else found

@@ -30,6 +30,7 @@ from assessment.analyses.fragility import Observed, observed
 from assessment.analyses.histories import Scatter, Track, enough, lowest_median_highest
 from assessment.analyses.time_history import Shaking, respond, thinned
 from assessment.results.schema.dynamic import Counts, Level, MemberCurve
+from assessment.results.schema.part import present
 from mechanics import ConvergenceError
 from mechanics.messages import Message, message
 from mechanics.progress import stretch
@@ -162,14 +163,11 @@ def scan_levels(
     while place != end and lattice.falls(place) is fell:
         place = max(place - stride, end) if fell else min(place + stride, end)
         stride = min(2 * stride, FARTHEST if fell else UPWARDS)
-    lattice.falls(place)
-    _run_missing(lattice)
+    lattice.run(place)
     for level in also:
-        lattice.falls(lattice.place(level))
-        _run_missing(lattice)
+        lattice.run(lattice.place(level))
     while (next_one := lattice.suspected()) is not None:
-        lattice.falls(next_one)
-        _run_missing(lattice)
+        lattice.run(next_one)
     while (bracket := lattice.bracket()) and bracket[1] - bracket[0] > reach.width:
         half = lattice.place(math.sqrt(bracket[0] * bracket[1]) if bracket[0] else 0.5 * bracket[1])
         if half in lattice.peaks:  # no narrower
@@ -207,22 +205,31 @@ class _Lattice:
             self.peaks[place] = self.peak(self.level(place))
         return self.peaks[place] == math.inf
 
+    def run(self, place: float) -> None:
+        """Run a place, and those that have then still to be run, each next one by what the last has shown."""
+        missing: float | None = place
+        while missing is not None:
+            self.falls(missing)
+            low = math.ceil(min(self.those(True), default=self.top + 1))
+            high = math.floor(max(self.those(False), default=low - 1))
+            below = range(low - 1, max(low - self.depth, self.bottom) - 1, -1)
+            above = range(low + 1, min(max(high, low - 1) + CERTAIN, self.top) + 1)
+            missing = next((each for each in (*below, *above) if each not in self.peaks), None)
+
     def those(self, fell: bool) -> list[float]:
         """Places at which the structure falls, or stands."""
         return [place for place in self.peaks if self.falls(place) is fell]
 
     def suspected(self) -> float | None:
-        """Return the place where a lower collapse is to be looked for next; None: nowhere."""
-        farther = self.farther_down()
-        return self.hiding() if farther is None else farther
+        """Return the place where a lower collapse is to be looked for next; None: nowhere.
 
-    def farther_down(self) -> float | None:
-        """Return a place below all that were run where the level that counts is there; None: it is among them."""
+        It is below all that were run where the level that counts is there, else where one is most likely to hide.
+        """
         lowest, levels = math.floor(min(self.peaks)), [self.level(place) for place in self.peaks]
         counts = observed(levels, [self.falls(place) for place in self.peaks]).capacity
-        if counts is None or counts >= self.level(min(self.peaks)) or lowest <= self.bottom:
-            return None
-        return max(lowest - self.depth, self.bottom)
+        if counts is not None and counts < self.level(min(self.peaks)) and lowest > self.bottom:
+            return max(lowest - self.depth, self.bottom)
+        return self.hiding()
 
     def hiding(self) -> float | None:
         """Return the place below the lowest collapse that is most likely to hide another; None: no place is."""
@@ -251,19 +258,6 @@ class _Lattice:
             return None
         below = (self.level(place) for place in self.those(False) if place < low)
         return max(below, default=0.0), self.level(low)
-
-
-def _run_missing(lattice: _Lattice) -> None:
-    """Run the places that have still to be run, the next ones by what the last has shown."""
-    while True:
-        low = math.ceil(min(lattice.those(True), default=lattice.top + 1))
-        high = math.floor(max(lattice.those(False), default=low - 1))
-        below = range(low - 1, max(low - lattice.depth, lattice.bottom) - 1, -1)
-        above = range(low + 1, min(max(high, low - 1) + CERTAIN, lattice.top) + 1)
-        place = next((each for each in (*below, *above) if each not in lattice.peaks), None)
-        if place is None:
-            return
-        lattice.falls(place)
 
 
 @dataclass(frozen=True, eq=False)
@@ -326,15 +320,16 @@ class _Motions:
         low, _, high = lowest_median_highest(peaks)
         ended = first is not None and first.end < math.inf
         tie = first.fell.fields.get("tie") if first and ended and isinstance(first.fell, Message) else None
-        found = Level(
+        kept = [*self._curves(members)] if self.curves else None
+        more: dict[str, Any] = present({"broken_tie": tie and str(tie), "curves": kept})
+        return Level(
             pga_g=pga, peak_displacement_m=high, peak_displacement_m_range=[low, high],
             residual_displacement_m=None if first else max(abs(float(m.displacement[-1])) for m in members),
             members=len(members), members_collapsed=peaks.count(None), collapsed=first is not None,
             time_of_collapse_s=self.shaking.motion.start + first.end if first and ended else None,
             reason=first.fell if first else None, integrator_share=max(each.integrator for each in members),
+            **more,
         )  # fmt: skip
-        found = found.replace(broken_tie=str(tie)) if tie else found
-        return found.replace(curves=list(self._curves(members))) if self.curves else found
 
     def _curves(self, members: Sequence[_Member]) -> Iterator[MemberCurve]:
         for number in sorted(number for number in self.curves if number <= len(members)):

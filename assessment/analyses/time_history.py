@@ -16,7 +16,7 @@ from assessment.project.schema import ORIGINAL, ControlTable, MotionTable, State
 from assessment.results.frames import snapshots, while_shaken
 from assessment.results.schema.dynamic import AppliedRecord, Counts, Course, EnergyBalance, History
 from assessment.results.schema.model import QualityRow
-from assessment.results.schema.part import known
+from assessment.results.schema.part import known, present
 from assessment.results.schema.static import Pushovers
 from assessment.results.schema.studies import ConvergenceRow
 from assessment.runtime.tasks import Workers
@@ -252,7 +252,7 @@ def _answered(shaking: Shaking, response: Response) -> History:
     kept_frames = snapshots(model, times, moved, response.positions, response.forces, peak)
     if rigid and model.ties:
         kept_frames = kept_frames.replace(tie_kN=None)
-    found = _unanswered(shaking, last.collapse_reason or None).replace(
+    return _unanswered(shaking, last.collapse_reason or None).replace(
         peak_displacement_m=float(abs(moved).max()),
         sustained_displacement_m=float(abs(moved[peak])),
         time_of_peak_s=motion.start + float(response.time[peak]),
@@ -272,9 +272,8 @@ def _answered(shaking: Shaking, response: Response) -> History:
         integrator_share=response.integrator_share(),
         **response.counts(),
         notes=list(response.notes),
+        **present({"ties": while_shaken(model, times, response.forces, last.final, rigid)}),
     )
-    ties = while_shaken(model, times, response.forces, last.final, rigid)
-    return found.replace(ties=ties) if ties else found
 
 
 def quality_row(state: str, stage: str, solves: int, worst: float) -> QualityRow:

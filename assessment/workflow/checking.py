@@ -23,7 +23,7 @@ from assessment.results.joint_states import described
 from assessment.results.schema import FORMAT, Results, StateResults
 from assessment.results.schema import model as parts
 from assessment.results.schema.dynamic import Incremental
-from assessment.results.schema.part import finite
+from assessment.results.schema.part import finite, present
 from assessment.results.schema.static import Settlement, Strengthening
 from assessment.results.schema.studies import Convergence
 from assessment.results.summary import EMPTY
@@ -72,12 +72,6 @@ def describe(project: Project, model: ProjectModel) -> Results:
 
 def _summary(project: Project, model: ProjectModel) -> parts.ModelSummary:
     a = model.assembly
-    found = parts.ModelSummary(
-        blocks=len(a.blocks), movable_blocks=int(a.movable.sum()), joints=len(a.joints.a),
-        unknowns=3 * len(a.joints.a),  # N, P and T of each joint
-        contact_points=4 * int(np.maximum(a.contacts.segments, 1).sum()), weight_kN=a.weight, self_weight_stable=True,
-        warnings=list(model.warnings),
-    )  # fmt: skip
     ties = {name: project.ties_of(name) for name in project.states}
     drawn = []
     for tie in project.tie:
@@ -89,7 +83,12 @@ def _summary(project: Project, model: ProjectModel) -> parts.ModelSummary:
             ultimate_elongation=finite(tie.ultimate_elongation),
             states=[name for name, (there, _) in ties.items() if tie in there or name in later], set_in=later,
         ))  # fmt: skip
-    return found.replace(ties=drawn) if drawn else found
+    return parts.ModelSummary(
+        blocks=len(a.blocks), movable_blocks=int(a.movable.sum()), joints=len(a.joints.a),
+        unknowns=3 * len(a.joints.a),  # N, P and T of each joint
+        contact_points=4 * int(np.maximum(a.contacts.segments, 1).sum()), weight_kN=a.weight, self_weight_stable=True,
+        warnings=list(model.warnings), **present({"ties": drawn or None}),
+    )  # fmt: skip
 
 
 def _empty(project: Project, name: str, blocks: int) -> StateResults:
@@ -142,14 +141,12 @@ def _geometry(project: Project, model: ProjectModel) -> parts.Geometry:
     ]
     faces = zip(described(a, a.contacts), a.joints.ends, strict=True)
     joints = [parts.Joint(**dict(face), ends_m=ends.tolist()) for face, ends in faces]
-    found = parts.Geometry(
+    cracks, far = [line.tolist() for line in model.cracks], a.as_drawn([0.0, 0.0])
+    beside = present({"cracks_m": cracks or None, "origin_m": far.tolist() if far.any() else None})
+    return parts.Geometry(
         blocks=blocks, controls=controls, joints=joints, joint_tolerance_m=a.joint_tolerance,
-        gravity_m_s2=GRAVITY,
+        gravity_m_s2=GRAVITY, **beside,
     )  # fmt: skip
-    if model.cracks:
-        found = found.replace(cracks_m=[line.tolist() for line in model.cracks])
-    far = a.as_drawn([0.0, 0.0])
-    return found.replace(origin_m=far.tolist()) if far.any() else found
 
 
 @dataclass(frozen=True)
