@@ -102,17 +102,16 @@ class FitTolerances:
 
     As shares of the movement: `difference`, of finite differences, at least `least` (m); `reach`, the first distance of
     the pattern search, which ends at that of the differences; `rounds`: its most. `dampings`: of the trial steps,
-    relative to the largest curvature; `singular`: of the largest singular value, below which a direction has no effect;
-    `gain`: of χ², or of `exact` where it is less, below which a step has none; `smooth`: of slopes over two successive
-    steps, by which they may differ; `linear`: of what is predicted within a standard error, in σ, from its linear part.
+    relative to the largest curvature, the first one so small that it stops what has no effect alone; `gain`: of χ², or
+    of `exact` where it is less, below which a step has none; `smooth`: of slopes over two successive steps, by which
+    they may differ; `linear`: of what is predicted within a standard error, in σ, from its linear part.
     """
 
     difference: float = 0.01
     least: float = 1e-6
     reach: float = 0.25
     rounds: int = 40
-    dampings: tuple[float, ...] = (0.0, 1e-2, 1.0)
-    singular: float = 1e-6
+    dampings: tuple[float, ...] = (1e-12, 1e-2, 1.0)
     gain: float = 1e-6
     exact: float = 1e-2
     smooth: float = 0.1
@@ -275,27 +274,16 @@ def over_kinks(unknowns: Unknowns, fit: Fit, error: Array, predict: Predict) -> 
 
 
 def _step(unknowns: Unknowns, u: Array, residual: Array, jacobian: Array, damping: float) -> Array:
-    """Return the damped step (n,), m; unknowns that it would take over their bound stay on it."""
-    free = np.ones(len(u), dtype=bool)
-    step = np.zeros(len(u))
-    for _ in range(len(u)):
-        step = np.where(free, 0.0, unknowns.bounded(u) - u)
-        step[free] = _least_squares(jacobian[:, free], -residual - jacobian @ step, damping)
-        over: Mask = free & unknowns.falling & (u + step > 0.0) & (u >= 0.0)
-        if not over.any() or over.sum() == free.sum():
-            break
-        free &= ~over
-    return step
+    """Return the step x (n,), m, within the bounds that minimises |J x + r|² + damping · s₁² |x|².
 
+    s₁: the largest singular value of J.
+    """
+    from scipy.optimize import lsq_linear  # late: few runs fit, and it takes long to import
 
-def _least_squares(jacobian: Array, target: Array, damping: float) -> Array:
-    """Return the shortest x that minimises |J x − target|² + damping · s₁² |x|², s₁ the largest singular value."""
-    left, s, right = np.linalg.svd(jacobian, full_matrices=False)
-    if not s.size or s[0] == 0.0:
-        return np.zeros(jacobian.shape[1])
-    kept = s > FIT.singular * s[0]
-    factor = np.divide(s, s**2 + damping * s[0] ** 2, out=np.zeros_like(s), where=kept)
-    return right.T @ (factor * (left.T @ target))
+    damped = np.sqrt(damping) * np.linalg.norm(jacobian, 2) * np.eye(len(u))
+    rows, target = np.vstack([jacobian, damped]), np.append(-residual, np.zeros(len(u)))
+    most = np.where(unknowns.falling, -u, np.inf)
+    return np.asarray(lsq_linear(rows, target, (-np.inf, most), method="bvls").x)
 
 
 @dataclass(frozen=True, eq=False)
