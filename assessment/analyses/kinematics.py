@@ -195,16 +195,10 @@ def hinges_of(chosen: Chosen, closed: Closed) -> list[Hinge]:
             continue
         centre = moving.rotation * moving.about - (0.0 if other is None else turns * other.about)
         point = np.asarray(centre / (moving.rotation - turns))
-        if any(_lies_on(point, *ends) for ends in joints[pair]):
+        lines, at = shapely.linestrings(joints[pair]), shapely.Point(point)
+        if (shapely.distance(lines, at) <= MOTION.hinge * shapely.length(lines)).any():
             found.append(Hinge(pair[1], None if still else pair[0], (float(point[0]), float(point[1]))))
     return found
-
-
-def _lies_on(point: Array, start: Array, end: Array) -> bool:
-    """Whether a point is that of a hinge of a joint."""
-    along = end - start
-    share = np.clip((point - start) @ along / (along @ along), 0.0, 1.0)
-    return bool(np.hypot(*(start + share * along - point)) <= MOTION.hinge * np.hypot(*along))
 
 
 def finite_motion(

@@ -23,6 +23,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 import mechanics
+from assessment.project.catalogue.geometry import course, rectangle
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.model import build_model
 from assessment.project.project import Project, load_project
@@ -38,18 +39,13 @@ from mechanics.steps.static_system import static_system
 from mechanics.types import GRAVITY, Array
 
 
-def rectangle(x0: float, z0: float, x1: float, z1: float) -> list[list[float]]:
-    """Corners (4, 2) of a rectangle between two of them, m."""
-    return [[x0, z0], [x1, z0], [x1, z1], [x0, z1]]
-
-
 def block_on_base(
     width: float = 0.2, height: float = 1.0, friction: float = 0.7, stiffness: float = 5e5, segments: int | None = None
 ) -> Assembly:  # fmt: skip
     """A block 1 m deep, its lower left corner at the origin, on a wide support; `segments` of its bed, None: exact."""
     stone = Material(18.0, friction, stiffness)
-    base = Block(rectangle(-5 * width, -0.1 * height, 5 * width, 0.0), 1.0, stone, support="base")
-    return Assembly([base, Block(rectangle(0.0, 0.0, width, height), 1.0, stone)], segments)
+    base = Block(rectangle(-5 * width, 5 * width, -0.1 * height, 0.0), 1.0, stone, support="base")
+    return Assembly([base, Block(rectangle(0.0, width, 0.0, height), 1.0, stone)], segments)
 
 
 def running_bond(
@@ -59,12 +55,11 @@ def running_bond(
     """Courses of whole bricks alternating with half-brick-ended ones; by default wall 1 of Ferris and Tin-Loi."""
     stone = Material(18.0, friction, stiffness)
     width = columns * length
-    blocks = [Block(rectangle(-length, -height, width + length, 0.0), 0.1, stone, support="base")]
+    blocks = [Block(rectangle(-length, width + length, -height, 0.0), 0.1, stone, support="base")]
     for j in range(courses):
-        edges, low, high = np.arange(columns + 1) * length, j * height, (j + 1) * height
-        if ((courses - 1 - j) % 2 == 0) != full_on_top:
-            edges = np.r_[0.0, (np.arange(columns) + 0.5) * length, width]
-        blocks += [Block(rectangle(a, low, b, high), 0.1, stone) for a, b in pairwise(edges)]
+        shifted = ((courses - 1 - j) % 2 == 0) != full_on_top
+        row = course(0.0, width, j * height, (j + 1) * height, blocks=columns, shifted=shifted)
+        blocks += [Block(each, 0.1, stone) for each in row]
     return Assembly(blocks)
 
 

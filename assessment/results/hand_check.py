@@ -11,6 +11,7 @@ from assessment.results.joint_states import outlines
 from assessment.results.schema import Direction, Results, RigidPush, known, named
 from assessment.results.summary import material
 from assessment.results.table import Row, Table, columns_of, sense
+from mechanics.model import connected
 from mechanics.pictures import field, place
 from mechanics.types import Array
 
@@ -115,15 +116,13 @@ def _groups(results: Results, state: str, direction: Direction) -> tuple[list[li
     fastest = float(speed.max())
     moving = np.zeros(len(rate), dtype=bool)
     np.maximum.at(moving, shape.owner, speed > STILL * fastest)
-    group = np.arange(len(rate))
     pairs = np.array([joint.blocks for joint in results.geometry.joints], dtype=np.intp).reshape(-1, 2)
     ends = np.array([joint.ends_m for joint in results.geometry.joints], dtype=float).reshape(-1, 2)
     first, second = np.repeat(pairs, 2, axis=0).T
     points = place(ends, first, drawn.centroids, at)
     slip = field(points, first, shape.centroids, rate) - field(points, second, shape.centroids, rate)
     apart = np.linalg.norm(slip, axis=1).reshape(-1, 2).max(axis=1)  # of both ends of a joint
-    for i, j in pairs[(apart < TOGETHER * fastest) & moving[pairs].all(axis=1)]:
-        group[group == group[j]] = group[i]
+    group = connected(pairs[(apart < TOGETHER * fastest) & moving[pairs].all(axis=1)], len(rate))
     weight, _ = weights(results)
     groups = [np.flatnonzero(group == number).tolist() for number in np.unique(group[moving])]
     moved = [weight[own] @ rate[own, :2] / weight[own].sum() for own in groups]

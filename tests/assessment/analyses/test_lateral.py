@@ -18,7 +18,6 @@ from assessment.analyses.lateral import (
     rigid_push,
     second_solver,
 )
-from assessment.benchmark.measure import rectangle
 from assessment.cli.main import main
 from assessment.project.catalogue.geometry import rectangle as outline
 from assessment.project.catalogue.new_project import write_drawing
@@ -44,7 +43,7 @@ from tests.support.block_project import (
     write_block,
 )
 from tests.support.random_masonry import small_wall
-from tests.support.structures import block_on_base, column, on_base
+from tests.support.structures import block_on_base, column, on_base, rectangle
 from tests.support.wording import in_italian
 
 CONTROLS = re.compile(r"\[\[control\]\]\nname = .*\npoint_m = .*\n")
