@@ -12,7 +12,7 @@ from mechanics.solvers import lp_highs
 from mechanics.steps.equilibrium import check_self_weight, closed_program, reaction, rest
 from mechanics.steps.static_system import static_system
 from tests.stress.harness import Case, sound
-from tests.stress.scales import by_highs
+from tests.support.steps import by_highs
 from tests.support.structures import block_on_base, built, on_base, rectangle, semicircular_arch
 
 STONE = Material(18.0, 0.7, 1e8)

@@ -9,22 +9,13 @@ import pytest
 from mechanics import Assembly, Block, Material, limit_analysis, pushover
 from mechanics.errors import ControlError, RunawayError, UnstableError
 from mechanics.kernels.joint import H
-from mechanics.solvers import lp_highs
-from mechanics.steps.equilibrium import closed_program, rest
+from mechanics.steps.equilibrium import rest
 from mechanics.steps.static_system import static_system
 from tests.stress.harness import Case, sound
+from tests.support.steps import by_highs
 from tests.support.structures import arch_on_piers, block_on_base, running_bond
 
 SLENDERNESS = np.arctan(0.2)
-
-
-def by_highs(model: Assembly) -> float:
-    """The multiplier of limit analysis by a solver of another kind."""
-    found = lp_highs.solve(
-        closed_program(model, model.initial).pushed(model, model.lateral_load("+x")).program
-    )
-    assert found is not None
-    return found[1]
 
 
 def stiffness(k: float) -> None:

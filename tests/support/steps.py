@@ -1,13 +1,16 @@
 """States, and the programs of steps, that several tests solve."""
 
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
 from mechanics import Assembly, State
 from mechanics.model.assembly import Behaviour
 from mechanics.program import Program
+from mechanics.solvers import lp_highs
 from mechanics.solvers.elimination import Elimination
+from mechanics.steps.equilibrium import closed_program
 from mechanics.steps.static_step import StepProblem
 from mechanics.steps.static_system import StaticSystem, static_system
 from mechanics.types import GRAVITY
@@ -60,3 +63,13 @@ def objective(program: Program, displacement: np.ndarray) -> float:
 
 
 __all__ = ["euler_step", "objective", "posed", "shaken", "static_step"]
+
+
+def by_highs(
+    model: Assembly, state: State | None = None, method: Literal["highs-ds", "highs-ipm"] = "highs-ds"
+) -> float:
+    """The associative multiplier towards +x over the joints that are closed in a state, by a solver of another kind."""
+    closed = closed_program(model, state or model.initial).pushed(model, model.lateral_load("+x"))
+    found = lp_highs.solve(closed.program, method)
+    assert found is not None
+    return found[1]

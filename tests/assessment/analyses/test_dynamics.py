@@ -26,7 +26,7 @@ from assessment.workflow.stages import run
 from mechanics import ConvergenceError
 from mechanics.messages import message
 from mechanics.records.record import Record, read_record, response_spectrum
-from tests.support.block_project import TURNED, block, write_block
+from tests.support.block_project import TURNED, block, edit, write_block
 from tests.support.pictured import draw_sections
 from tests.support.structures import arch_on_piers, block_on_base
 from tests.support.typed import typed
@@ -53,14 +53,6 @@ def _project(folder, *tables, assessment=""):
     text = 'scatter = 1\naccuracy = "fast"\n' + text[:start] + assessment + text[end:] + "".join(tables)
     (folder / "project.toml").write_text(text, encoding="utf-8")
     np.savetxt(folder / "wave.csv", np.column_stack([TIME, 0.5 * WAVE]), delimiter=",", fmt="%.8f")
-    return load_project(folder)
-
-
-def _edited(folder, old, new):
-    path = folder / "project.toml"
-    text = path.read_text(encoding="utf-8")
-    assert old in text
-    path.write_text(text.replace(old, new), encoding="utf-8")
     return load_project(folder)
 
 
@@ -144,23 +136,11 @@ def test_the_window_scale_and_step_of_a_motion(tmp_path):
     assert (motion.start, motion.record.time_step, motion.record.duration) == (1.5, 0.01, pytest.approx(0.5))
     assert "leaves out the peak" in motion.notes[0]
     copy(tmp_path / "block" / "wave.csv", tmp_path / "block" / "up.csv")
-    project = _edited(
-        tmp_path / "block", "window_s = [1.5, 2.0]", 'window_s = "arias"\nvertical_record = "up.csv"'
-    )
-    (motion,) = history_motions(project)
+    edit(tmp_path / "block", "window_s = [1.5, 2.0]", 'window_s = "arias"\nvertical_record = "up.csv"')
+    (motion,) = history_motions(load_project(tmp_path / "block"))
     begin = read_record(tmp_path / "block" / "wave.csv").strong_window()[0]
     assert 0.0 <= motion.start - begin < STEP
     np.testing.assert_allclose(motion.vertical.acceleration, motion.record.acceleration, atol=1e-12)
-
-
-def _vertical_motion(folder, time, acceleration, extra=""):
-    """The motion of the wave with a vertical record beside it."""
-    _project(folder)
-    np.savetxt(folder / "up.csv", np.column_stack([time, acceleration]), delimiter=",")
-    path, table = folder / "project.toml", TAIL.format(scale=2.0) + 'vertical_record = "up.csv"\n' + extra
-    path.write_text(path.read_text(encoding="utf-8") + table, encoding="utf-8")
-    (motion,) = history_motions(load_project(folder))
-    return motion
 
 
 @pytest.mark.parametrize(
@@ -175,8 +155,11 @@ def test_a_vertical_record_of_another_step_shakes_at_its_own_instants(tmp_path, 
     later.
     """
     time = vertical_step * np.arange(round(2.4 / vertical_step) + 1)
-    window = f"window_s = [1.5, 1.9]\ntime_step_s = {step}\n"
-    motion = _vertical_motion(tmp_path / "block", time, 0.1 * time, window)
+    vertical = f'vertical_record = "up.csv"\nwindow_s = [1.5, 1.9]\ntime_step_s = {step}\n'
+    _project(tmp_path / "block", TAIL.format(scale=2.0))
+    np.savetxt(tmp_path / "block" / "up.csv", np.column_stack([time, 0.1 * time]), delimiter=",")
+    edit(tmp_path / "block", "scale = 2.0\n", f"scale = 2.0\n{vertical}")
+    (motion,) = history_motions(load_project(tmp_path / "block"))
     assert motion.vertical.acceleration.size == motion.record.acceleration.size
     np.testing.assert_allclose(
         motion.vertical.acceleration, 2.0 * 0.1 * (1.5 + motion.record.time), atol=1e-9
@@ -214,8 +197,8 @@ def test_a_coarse_step_is_refused_though_its_samples_have_the_peak(tmp_path):
     np.savetxt(tmp_path / "block" / "wave.csv", pulse, delimiter=",")
     with pytest.raises(ProjectError, match=r"a step of 0\.1 s"):
         history_motions(load_project(tmp_path / "block"))
-    project = _edited(tmp_path / "block", "time_step_s = 0.1", "time_step_s = 0.04")
-    assert history_motions(project)[0].record.time_step == 0.04
+    edit(tmp_path / "block", "time_step_s = 0.1", "time_step_s = 0.04")
+    assert history_motions(load_project(tmp_path / "block"))[0].record.time_step == 0.04
 
 
 def test_a_scale_to_what_no_ground_does_is_refused(tmp_path):
@@ -230,9 +213,9 @@ def test_records_of_one_name_are_refused_before_they_are_one_record_of_the_fragi
     for name, factor in (("one", 0.5), ("other", np.cos(TIME))):
         (project.folder / name).mkdir()
         np.savetxt(project.folder / name / "wave.csv", np.column_stack([TIME, factor * WAVE]), delimiter=",")
-    project = _edited(project.folder, "*.csv", "*/wave.csv")
+    edit(project.folder, "*.csv", "*/wave.csv")
     with pytest.raises(ProjectError, match=r'incremental\.records: two records are called "wave"; rename'):
-        read_motions(project)
+        read_motions(load_project(project.folder))
 
 
 def _motion(record):

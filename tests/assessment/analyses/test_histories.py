@@ -9,11 +9,12 @@ from hypothesis import strategies as st
 
 from assessment.analyses import histories
 from assessment.analyses.histories import Refinement, Scatter, Track, agree, lowest_median_highest, together
-from assessment.analyses.time_history import FoundHistory, Setting, Shaking, quality_row, respond
+from assessment.analyses.time_history import FoundHistory, Setting, Shaking, quality_row, respond, ultimate_of
 from assessment.project.motions import BaseMotion
 from assessment.project.schema import ControlTable, HistoryTable
 from assessment.results.schema.dynamic import History
 from assessment.results.schema.model import QualityRow
+from assessment.results.schema.static import Pushovers, RigidPush
 from mechanics.records.record import Record
 from mechanics.types import GRAVITY
 from tests.support.structures import arch_on_piers, block_on_base
@@ -320,3 +321,13 @@ def test_a_fall_under_way_is_followed_to_its_end():
     leaning = model.rotated(1, (0.6, 0.0), -np.arctan(0.6 / 2.4) - 2e-4)
     found = respond(replace(asked.task, start=leaning))
     assert found.collapsed or len(found.parts) == 1
+
+
+def test_a_motion_is_ultimate_where_the_static_capacity_vanishes_in_both_directions():
+    def pushed(d, control="C", **more):
+        return Pushovers(control=control, rigid=made(RigidPush, {"d_0_m": d, "reached_zero": True} | more))
+
+    assert ultimate_of({"+x": pushed(0.2), "-x": pushed(0.3)}, "C") == 0.3
+    assert ultimate_of({"+x": pushed(0.2)}, "C") is None
+    assert ultimate_of({"+x": pushed(0.2), "-x": pushed(0.3, "D")}, "C") is None
+    assert ultimate_of({"+x": pushed(0.2), "-x": pushed(0.3, reached_zero=False)}, "C") is None

@@ -379,6 +379,7 @@ def test_mechanism_at_height_2009():
     floor = FloorSpectrum2009(SOIL_A, Mode(0.5, 1.2, 0.5))
     assert floor.acceleration(0.0) == pytest.approx(0.25)
     assert FloorSpectrum2009(SOIL_A, Mode(0.5, 1.2, 1.0)).acceleration(0.0) == pytest.approx(0.432)
+    assert floor.acceleration(0.5) == pytest.approx(0.216 / 0.02**0.5), "in resonance"
     ratio = 1.268965 / 0.5
     amplified = 0.6 * ratio**2 / np.sqrt((1 - ratio) ** 2 + 0.02 * ratio) * SOIL_A.displacement(0.5)
     assert floor.displacement(1.268965) == pytest.approx(max(amplified, SOIL_A.displacement(1.268965)))

@@ -15,18 +15,10 @@ from assessment.project.masonry import chosen_mechanisms
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from mechanics import Assembly, limit_analysis
+from tests.assessment.project.test_geometry import corners
 from tests.support.template_assembly import template_assembly, with_ties
 
 TIGHT = {"abs": 2e-9}  # of α: that of the interior-point method
-
-
-def corners(layout, layers=None):
-    return {
-        frozenset((round(x, 9) + 0.0, round(z, 9) + 0.0) for x, z in each)
-        for layer, shapes in layout.items()
-        for each in shapes
-        if layers is None or layer in layers
-    }
 
 
 # façade: simple and compound overturning, Circolare 7/2019, C8.7.1.2

@@ -76,16 +76,21 @@ def test_everything_is_on_the_disk_before_it_takes_its_place(folder, monkeypatch
     assert texts(folder) == AFTER
 
 
-@pytest.mark.parametrize("failing", range(len(OLD) + len(NEW)))
-def test_where_one_file_cannot_be_moved_those_before_it_are_moved_back(folder, monkeypatch, failing):
+def moves_fail(monkeypatch, which, error):
+    """Of the moves of files those that are `which` end in an error."""
     replace, calls = Path.replace, iter(range(100))
 
-    def fails_once(path: Path, target: Path) -> Path:
-        if next(calls) == failing:
-            raise PermissionError(13, "used by another process", str(path))
+    def moved(path: Path, target: Path) -> Path:
+        if next(calls) in which:
+            raise error
         return replace(path, target)
 
-    monkeypatch.setattr(Path, "replace", fails_once)
+    monkeypatch.setattr(Path, "replace", moved)
+
+
+@pytest.mark.parametrize("failing", range(len(OLD) + len(NEW)))
+def test_where_one_file_cannot_be_moved_those_before_it_are_moved_back(folder, monkeypatch, failing):
+    moves_fail(monkeypatch, [failing], PermissionError(13, "used by another process"))
     with pytest.raises(ProjectError):
         put(folder)
     assert texts(folder) == BEFORE
@@ -94,14 +99,9 @@ def test_where_one_file_cannot_be_moved_those_before_it_are_moved_back(folder, m
 @pytest.mark.parametrize("moves", range(1, len(OLD) + len(NEW)))
 def test_a_kill_between_two_moves_leaves_no_results(folder, monkeypatch, moves):
     """The next run then writes them: results.json goes first and comes last."""
-    replace, calls = Path.replace, iter(range(100))
-
-    def until_killed(path: Path, target: Path) -> Path:
-        if next(calls) >= moves:
-            raise KeyboardInterrupt  # again where the others are to be moved back
-        return replace(path, target)
-
-    monkeypatch.setattr(Path, "replace", until_killed)
+    moves_fail(
+        monkeypatch, range(moves, 100), KeyboardInterrupt
+    )  # again where the others are to be moved back
     with pytest.raises(KeyboardInterrupt):
         put(folder)
     assert "results.json" not in texts(folder)

@@ -40,7 +40,7 @@ ARM = 0.59  # m, of the tie from the toe at x = 0.3
 SLV = f'[assessment]\nlimit_states = ["SLV"]\nmodel = "none"\n[assessment.site]\nsoil = "B"\n{HAZARD}'
 
 
-SLOW = 0.01 * np.arange(601)
+SLOW = 0.02 * np.arange(301)
 HALF_SINE = np.sin(np.pi * SLOW / 6.0)  # g; the block that stands moves as in a static test
 HISTORY = '[[history]]\nrecord = "push.csv"\nscale = -0.3\ncontacts = "rigid"\n'
 

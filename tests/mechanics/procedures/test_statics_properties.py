@@ -12,10 +12,10 @@ from mechanics import Assembly, limit_analysis, pushdown, pushover
 from mechanics.kernels.joint import H
 from mechanics.model.contacts import end_gaps
 from mechanics.procedures.limit_analysis import virtual_work_multiplier
-from mechanics.solvers import lp_highs
-from mechanics.steps.equilibrium import closed_program, reaction, rest
+from mechanics.steps.equilibrium import reaction, rest
 from mechanics.steps.static_system import static_system
 from tests.support.drawn_projects import drawn
+from tests.support.steps import by_highs
 from tests.support.structures import arch_on_piers, block_on_base, semicircular_arch
 
 SIZE = 0.02  # m, of the movement imposed
@@ -133,7 +133,7 @@ def test_virtual_work_and_another_solver_give_the_multiplier_in_displaced_config
     path = pushover(model, control, "+x", "rigid", 0.002)
     assert len(path.states) > 10
     for k in np.linspace(0, len(path.states) - 2, 5).astype(int):
-        found = _multiplier_at(model, path.states[k])
+        found = by_highs(model, path.states[k])
         assert found == pytest.approx(path.multiplier[k], abs=0.01 * path.multiplier.max())
     jumps = set(path.crossed[:, 0])
     for k in range(1, len(path.states) - 2):
@@ -143,13 +143,6 @@ def test_virtual_work_and_another_solver_give_the_multiplier_in_displaced_config
         between = sorted(path.multiplier[k : k + 2])
         slack = 0.01 * path.multiplier.max()
         assert between[0] - slack <= virtual_work_multiplier(model, motion, "+x") <= between[1] + slack
-
-
-def _multiplier_at(model, state):
-    """α along +x over the joints that are closed, by HiGHS."""
-    found = lp_highs.solve(closed_program(model, state).pushed(model, model.lateral_load("+x")).program)
-    assert found is not None
-    return found[1]
 
 
 @pytest.mark.parametrize("name", STRUCTURES)
@@ -177,18 +170,12 @@ def test_the_reaction_at_the_onset_of_a_movement_is_the_least_and_the_greatest_t
     assert sunk[1] < at_rest[1] + 1e-6 < raised[1] + 2e-6
 
 
-def multipliers(model):
-    program = closed_program(model, model.initial).pushed(model, model.lateral_load("+x")).program
-    by_highs = lp_highs.solve(program, "highs-ipm")
-    assert by_highs is not None
-    return limit_analysis(model, sliding="associative").alpha, by_highs[1]
-
-
 @pytest.mark.parametrize("template", TEMPLATES)
 def test_a_template_can_be_pushed_over_and_limit_analysis_agrees_with_highs(template, tmp_path):
     new_project(tmp_path / "new", template, {})
-    ours, theirs = multipliers(drawn(tmp_path / "new"))
-    assert ours == pytest.approx(theirs, abs=1e-6) and 0.02 < ours < 1.0
+    model = drawn(tmp_path / "new")
+    alpha = limit_analysis(model, sliding="associative").alpha
+    assert alpha == pytest.approx(by_highs(model, method="highs-ipm"), abs=1e-6) and 0.02 < alpha < 1.0
 
 
 def within_cones(model, step):

@@ -77,6 +77,8 @@ def test_the_strong_window_begins_before_anything_that_may_move():
     shaken = Record(NOISE.acceleration + pulse, NOISE.time_step, "pulse first")
     assert shaken.arias_window(1e-3)[0] > 0.3 and shaken.strong_window()[0] == pytest.approx(0.18)
     assert shaken.scaled(7.0).strong_window() == pytest.approx(shaken.strong_window())
+    weak = Record(np.r_[np.full(300, 0.04), 1.0, np.zeros(9)], 0.01, "weak, then strong")  # ∫a²: 0.48 of 1.48
+    assert weak.strong_window()[0] == pytest.approx(0.01 * 1.48e-3 / 0.04**2, rel=2e-3)
 
 
 @pytest.mark.parametrize("parts", [2, 7])

@@ -23,7 +23,6 @@ RECORD = '[[history]]\nrecord = "wave.csv"\ncontacts = "rigid"\n'
 DISK = '[incremental]\nrecords = ["/**/*"]\ncontacts = "rigid"\n'
 GRID = 'latitude = 42.02\nlongitude = 13.02\ngrid = "grid.txt"\n'
 BY_GRID = PROJECT + ASSESSMENT.replace(HAZARD, GRID)
-FLOOR = "[assessment.floor]\nheight_m = 0.0\nbuilding_height_m = 10.0\nstoreys = 2\nperiod_s = 0.3\n"
 ARRAY = [(70, 32000), (71, 32000), (44, 2), (45, 2)]
 TRIANGLE = polyline([(0, 0), (1, 0), (1, 1)])
 STONE = definition("B", TRIANGLE)
@@ -158,7 +157,6 @@ COMPLETE: dict[str, Case] = {
     "control characters in the name of a layer": _drawn(BLOCKS + polyline(ABOVE, f"A{ESCAPE}\x07")),
     "a name of a layer that is no UTF-8": _drawn(BLOCKS + polyline(ABOVE, "A\udcff")),
     "formulas in the name of a layer": _drawn(BLOCKS + polyline(ABOVE, "_$x^{$ \\frac")),
-    "a floor at height 0": _checked(PROJECT + ASSESSMENT + FLOOR),
     "comments without end in a judgement": _markdown,
 }  # fmt: skip
 REFUSALS: dict[str, Case] = {
@@ -191,7 +189,6 @@ REFUSALS: dict[str, Case] = {
     "a polyline of 20 001 vertices": _drawn(rectangle(-4, -1, 4, 0, "BASE") + polyline(_half_circle(20_001))),
     "a bulge of 1e300": _drawn(BLOCKS + polyline([(0, 2, "1e300"), (1, 2, 0), (1, 3, 0)])),
     "a drawing of nothing but ENTITIES": _checked(WALL, geometry__dxf="SECTION\n" + "  2\nENTITIES\n" * 100_000),
-    "sagitta_m = 1e-12": _checked(PROJECT.replace("[material]", "sagitta_m = 1e-12\n[material]")),
     "sagitta_m = 1e-7 on an arc of 10 km": _drawn(
         BLOCKS + polyline([(0, 2, 1), (20_000, 2, 0)]), text=WALL.replace("[material]", "sagitta_m = 1e-7\n[material]")
     ),
@@ -206,19 +203,15 @@ REFUSALS: dict[str, Case] = {
     "a key of 10 000 parts": _checked(f"{'a.' * 10_000}a = 1\n"),
     "a table of 10 000 parts": _checked(f"[{'a.' * 10_000}a]\nb = 1\n"),
     "a table in the place of a title": _checked(PROJECT.replace('title = "Block"', f"title.{'a.' * 30}a = 1")),
-    "a project file of 3 MB": _checked(PROJECT + "#" * 3_000_000),
-    "a number of 6 000 digits": _checked(PROJECT.replace("depth_m = 1.0", f"depth_m = 0x{'f' * 5000}")),
     "a syntax error with escapes": _checked(PROJECT + f"x{ESCAPE} = {ESCAPE}\n"),
     "an unknown key with escapes": _checked(PROJECT + '"\\u001b[31m" = 1\n'),
     "results nested 10 000 deep": _results('{"a":' * 10_000 + "1" + "}" * 10_000),
     "results of lists 10 000 deep": _results("[" * 10_000 + "]" * 10_000),
-    "results that are a number": _results("1e400"),
     "a grid with an infinite a_g": _grid(_at(0, float("inf"))),
     "a grid with a_g that falls": _grid(_at(3, 0.4)),
     "a grid with F0 below 1": _grid(_at(1, 0.9)),
     "a grid with a T_C* that is no number": _grid(_at(2, float("nan"))),
     "a grid of one node": _checked(BY_GRID, grid__txt="13\t42" + "".join(f"\t{k}\t2.4\t0.3" for k in range(1, 10))),
-    "no grid": _checked(BY_GRID),
     "a record whose header is a long number": _record(f"{PEER}{'1' * 200_000} NPTS\n0 1\n"),
     "a record whose header is blanks": _record(f"{PEER}NPTS={' ' * 200_000}\n0 1\n"),
     "a record of brackets": _record(f"PGA {'(' + ')' * 200_000}\n1\n2\n"),
