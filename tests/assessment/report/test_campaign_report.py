@@ -88,6 +88,12 @@ def results_with_campaign(language: str = "it", settlements: tuple[str, ...] = (
     return results
 
 
+def said(results, sentences=lead):
+    """What the first page says of a campaign, or the judgement, as plain text."""
+    found = typed(results)
+    return " ".join(map(plain_text, sentences(found, words_of(found)))).replace("\u00a0", " ")
+
+
 def test_each_record_and_sign_has_its_curve_to_the_highest_level_withstood_and_an_arrow_at_collapse():
     results = results_with_campaign()
     results["campaign"]["combinations"][0]["points"].insert(3, results["campaign"]["combinations"][0]["points"][1] | {
@@ -153,24 +159,15 @@ def test_the_judgement_sets_the_loss_beside_the_static_one_and_remarks_opposite_
         row["directions"] = {"+x": row["dynamic"], "-x": -0.1}
     held = hold(results)
     assert "campaign_opposed" not in held and "one_sign" in held
-    said = " ".join(map(plain_text, lead(typed(results), words_of(typed(results)))))
-    assert "that of one sign of the records, +x" in said.replace("\u00a0", " ")
+    assert "that of one sign of the records, +x" in said(results)
 
 
 def test_a_loss_of_fewer_than_three_records_has_no_bounds_of_95_per_cent():
     results = results_with_campaign("en")
-    assert any(
-        "with 95 % between" in plain_text(each).replace("\u00a0", " ")
-        for each in lead(typed(results), words_of(typed(results)))
-    )
+    assert "with 95 % between" in said(results)
     for row in results["campaign"]["loss"]:
         row |= {"records": 2, "distinguishable": None, "static": -0.1}
-    said = [
-        plain_text(each).replace("\u00a0", " ") for each in lead(typed(results), words_of(typed(results)))
-    ]
-    assert any("of fewer than three records" in each for each in said) and not any(
-        "95 %" in each for each in said
-    )
+    assert "of fewer than three records" in said(results) and "95 %" not in said(results)
     assert "campaign_beside" in hold(results)
 
 
@@ -188,8 +185,7 @@ def test_the_judgement_tells_which_states_a_record_makes_collapse():
 
 def test_a_loss_that_is_not_distinguishable_from_none_is_said_to_be_so():
     results = results_with_campaign("en")
-    said = [str(each) for each in draft_judgement(typed(results), words_of(typed(results)))]
-    assert not [each for each in said if "not distinguishable" in each]
+    assert "not distinguishable" not in said(results, draft_judgement)
     for row in results["campaign"]["loss"]:
         row |= {"distinguishable": False, "dynamic_range": [-0.02, 0.05]}
     assert "campaign_indistinct" in hold(results)
@@ -207,8 +203,7 @@ def test_static_check_incremental_analysis_and_campaign_stand_on_one_reference()
     assert told["level_50_g"] == pytest.approx(results["campaign"]["fragility"][-1]["median_g"])
     assert {row["analysis"] for row in rows if row["state"] == "original"} >= {"campaign"}
     assert all("capacity_loss" not in row for row in rows if row["state"] == "original")
-    sentences = " ".join(lead(typed(results), words_of(typed(results))))
-    assert "non è distinguibile" in sentences
+    assert "non è distinguibile" in said(results)
 
 
 def test_fragilities_are_a_fragility_model_of_mean_and_standard_deviation():
