@@ -20,9 +20,9 @@ def lintel(segments: int | None) -> Assembly:
     stone = Material(18.0, 0.65, 1e6)
     return Assembly(
         [
-            Block(rectangle(0.0, 0.5, 0.0, 1.0), 1.0, stone, support="left"),
-            Block(rectangle(2.0, 2.5, 0.0, 1.0), 1.0, stone, support="right"),
-            Block(rectangle(0.0, 2.5, 1.0, 1.5), 1.0, stone),
+            Block(rectangle(0.0, 0.0, 0.5, 1.0), 1.0, stone, support="left"),
+            Block(rectangle(2.0, 0.0, 2.5, 1.0), 1.0, stone, support="right"),
+            Block(rectangle(0.0, 1.0, 2.5, 1.5), 1.0, stone),
         ],
         segments,
     )

@@ -44,8 +44,8 @@ def block_on_base(
 ) -> Assembly:  # fmt: skip
     """A block 1 m deep, its lower left corner at the origin, on a wide support; `segments` of its bed, None: exact."""
     stone = Material(18.0, friction, stiffness)
-    base = Block(rectangle(-5 * width, 5 * width, -0.1 * height, 0.0), 1.0, stone, support="base")
-    return Assembly([base, Block(rectangle(0.0, width, 0.0, height), 1.0, stone)], segments)
+    base = Block(rectangle(-5 * width, -0.1 * height, 5 * width, 0.0), 1.0, stone, support="base")
+    return Assembly([base, Block(rectangle(0.0, 0.0, width, height), 1.0, stone)], segments)
 
 
 def running_bond(
@@ -55,7 +55,7 @@ def running_bond(
     """Courses of whole bricks alternating with half-brick-ended ones; by default wall 1 of Ferris and Tin-Loi."""
     stone = Material(18.0, friction, stiffness)
     width = columns * length
-    blocks = [Block(rectangle(-length, width + length, -height, 0.0), 0.1, stone, support="base")]
+    blocks = [Block(rectangle(-length, -height, width + length, 0.0), 0.1, stone, support="base")]
     for j in range(courses):
         shifted = ((courses - 1 - j) % 2 == 0) != full_on_top
         row = course(0.0, width, j * height, (j + 1) * height, blocks=columns, shifted=shifted)

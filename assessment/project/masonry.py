@@ -132,7 +132,7 @@ def running(
         above = levels[levels > head + 0.5 * bond.course_m]
         if not len(above):  # it ends at the top
             continue
-        box = rectangle(left - 0.5 * bond.block_m, right + 0.5 * bond.block_m, head, float(above[0]))
+        box = rectangle(left - 0.5 * bond.block_m, head, right + 0.5 * bond.block_m, float(above[0]))
         lintel = Polygon(box).intersection(walled)
         lintel = max(getattr(lintel, "geoms", [lintel]), key=lambda part: part.area)
         if lintel.area and lintel.bounds[0] < left and right < lintel.bounds[2]:

@@ -102,9 +102,9 @@ class FitTolerances:
 
     As shares of the movement: `difference`, of finite differences, at least `least` (m); `reach`, the first distance of
     the pattern search, which ends at that of the differences; `rounds`: its most. `dampings`: of the trial steps,
-    relative to the largest curvature, the first one so small that it stops what has no effect alone; `gain`: of χ², or
-    of `exact` where it is less, below which a step has none; `smooth`: of slopes over two successive steps, by which
-    they may differ; `linear`: of what is predicted within a standard error, in σ, from its linear part.
+    relative to the largest curvature; the first one keeps still only unknowns without effect. `gain`: of χ², or of
+    `exact` where it is less, below which a step has none; `smooth`: of slopes over two successive steps, by which they
+    may differ; `linear`: of what is predicted within a standard error, in σ, from its linear part.
     """
 
     difference: float = 0.01

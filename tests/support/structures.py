@@ -8,17 +8,13 @@ import numpy as np
 import shapely
 
 from assessment.benchmark.measure import block_on_base, in_frame, running_bond
+from assessment.project.catalogue.geometry import rectangle
 from mechanics import Assembly, Block, Material, Tie
 
 __all__ = [
     "arch_on_piers", "block_on_base", "built", "column", "in_bond", "in_frame", "on_base", "outlines", "rectangle",
     "running_bond", "semicircular_arch", "springing_arch", "tied_arch",
 ]  # fmt: skip
-
-
-def rectangle(x0: float, z0: float, x1: float, z1: float) -> list[list[float]]:
-    """Corners (4, 2) of a rectangle between two of them, m."""
-    return [[x0, z0], [x1, z0], [x1, z1], [x0, z1]]
 
 
 def built(stone: Material, *shapes: Any, tolerance: float | None = None, **supports: Any) -> Assembly:

@@ -94,21 +94,21 @@ class Ring:
         return np.array([(xi, bottom), (xi + width, bottom), (xi + width, ze), (xe, ze), (xi, zi)])
 
 
-def rectangle(x0: float, x1: float, z0: float, z1: float) -> Array:
-    """Return a rectangle (4, 2), m, anticlockwise."""
+def rectangle(x0: float, z0: float, x1: float, z1: float) -> Array:
+    """Return the rectangle (4, 2) between two corners, m, anticlockwise."""
     return np.array([(x0, z0), (x1, z0), (x1, z1), (x0, z1)])
 
 
 def stack(x0: float, x1: float, levels: Iterable[float]) -> list[Array]:
     """Return blocks (4, 2) m one on the other between the levels, m."""
-    return [rectangle(x0, x1, a, b) for a, b in pairwise(levels)]
+    return [rectangle(x0, a, x1, b) for a, b in pairwise(levels)]
 
 
 def course(x0: float, x1: float, z0: float, z1: float, *, blocks: int, shifted: bool) -> list[Array]:
     """Return a course of equal blocks, each (4, 2) m; a shifted one begins and ends with half a block."""
     cuts = np.linspace(x0, x1, 2 * blocks + 1)
     cuts = np.concatenate([cuts[:1], cuts[1::2], cuts[-1:]]) if shifted else cuts[::2]
-    return [rectangle(a, b, z0, z1) for a, b in pairwise(cuts)]
+    return [rectangle(a, z0, b, z1) for a, b in pairwise(cuts)]
 
 
 def running_bond(x0: float, x1: float, levels: Array, blocks: int) -> list[Array]:
@@ -156,7 +156,7 @@ def mirrored(blocks: Iterable[Array]) -> list[Array]:
 def base_below(inner: float, outer: float, nearest: float = np.inf) -> Array:
     """Return a base (4, 2), m, wider than the pier by a quarter on either side, by 0.4 of `nearest` at most."""
     margin = min(0.25 * (outer - inner), 0.4 * nearest)
-    return rectangle(inner - margin, outer + margin, -0.5 * (outer - inner), 0.0)
+    return rectangle(inner - margin, -0.5 * (outer - inner), outer + margin, 0.0)
 
 
 def two_bases(right: Array) -> Layout:

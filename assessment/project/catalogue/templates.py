@@ -187,7 +187,7 @@ def _beams(masonry: list[Array], outer: float, height: float, beams: int, side: 
     nearest = [middles[np.argmin(np.abs(middles - x) + 1e-6 * np.abs(middles))] for x in spots]
     if min(np.diff(nearest), default=np.inf) < side:
         raise ValueError(f"beams: {beams} beams of {side:g} m do not fit side by side on the top course")
-    return [geometry.rectangle(x - 0.5 * side, x + 0.5 * side, height, height + side) for x in nearest]
+    return [geometry.rectangle(x - 0.5 * side, height, x + 0.5 * side, height + side) for x in nearest]
 
 
 BlockLength = Annotated[float, "length of a block"]
@@ -208,8 +208,8 @@ def block(
     """Return one block on a wider base."""
     half, base = 0.5 * width_m, 0.5 * width_m
     layout = geometry.tidied(
-        BASE=[geometry.rectangle(-half - base, half + base, -base, 0.0)],
-        BLOCCO=[geometry.rectangle(-half, half, 0.0, height_m)],
+        BASE=[geometry.rectangle(-half - base, -base, half + base, 0.0)],
+        BLOCCO=[geometry.rectangle(-half, 0.0, half, height_m)],
     )
     moved = {"name": "base ruotata 20 mrad", "support": "base", "rotation_rad": -0.02}
     moved |= {"increment_rad": 0.001, "to_collapse": True}
@@ -267,7 +267,7 @@ def wall_with_openings(
             low, high = middle - 0.5 * opening_width_m, middle + 0.5 * opening_width_m
             holes.append(box(low, bottom, high, top))
             low, high = low - lintel_bearing_m, high + lintel_bearing_m
-            lintels.append(geometry.rectangle(low, high, top, top + step))
+            lintels.append(geometry.rectangle(low, top, high, top + step))
     height = storeys * storey_height_m
     region = box(0.0, 0.0, length_m, height).difference(unary_union([*holes, *map(Polygon, lintels)]))
     along = max(1, round(length_m / block_length_m))
@@ -319,27 +319,27 @@ def facade(
     # the top course holds the roof's bearing, and with it the thrust, behind an upstand
     low, high = top - step, top + step
     notched = np.array([(0, low), (t, low), (t, high), (b, high), (b, top), (0, top)])
-    masonry = [geometry.rectangle(b if z in floors else 0.0, t, z, z + step) for z in levels[:-2]] + [notched]
+    masonry = [geometry.rectangle(b if z in floors else 0.0, z, t, z + step) for z in levels[:-2]] + [notched]
     ridge, high = 0.5 * b - roof_span_m, top + roof_rise_m
     rafter = [(0, top), (b, top), (b, top + RAFTER), (ridge, high + RAFTER), (ridge, high)]
-    wedge = [geometry.rectangle(x, -CRACK, z, z + step) for x, z in zip(steps, levels, strict=False)]
+    wedge = [geometry.rectangle(x, z, -CRACK, z + step) for x, z in zip(steps, levels, strict=False)]
     # layer: its blocks, and what it has of its own
     load = {"vertical_load_kN": roof_load_kN}
     parts: dict[str, tuple[list[Array], dict[str, Any]]] = {
-        "BASE": ([geometry.rectangle(room, 1.5 * t, -0.5, 0.0)], {"support": "base"}),
+        "BASE": ([geometry.rectangle(room, -0.5, 1.5 * t, 0.0)], {"support": "base"}),
         "MURI": ([inner], {"support": "muri"} | deep),
         "COLMO": (
-            [geometry.rectangle(ridge - 0.3, ridge, high, high + 2.0 * RAFTER)] * thrusts,
+            [geometry.rectangle(ridge - 0.3, high, ridge, high + 2.0 * RAFTER)] * thrusts,
             {"support": "colmo"},
         ),
         "FACCIATA": (masonry, {}),
         "CUNEO": (wedge if crack_deg else [], deep),
         "SOLAI": (
-            [geometry.rectangle(0.0, b, z, z + step) for z in floors],
+            [geometry.rectangle(0.0, z, b, z + step) for z in floors],
             {"vertical_load_kN": floor_load_kN},
         ),
         "PUNTONI": ([np.array(rafter)] * thrusts, {"unit_weight_kN_m3": 5.0, "friction": 0.0} | load),
-        "TETTO": ([geometry.rectangle(0.0, b, top, top + step)] * (not thrusts), load),
+        "TETTO": ([geometry.rectangle(0.0, top, b, top + step)] * (not thrusts), load),
     }
     parts = {name: part for name, part in parts.items() if part[0]}
     tables: dict[str, Any] = {}
@@ -387,7 +387,7 @@ def tympanum(
     half = 0.5 * thickness_m
     blocks = geometry.stack(-half, half, levels)
     layout = geometry.tidied(
-        BASE=[geometry.rectangle(-2.0 * half, 2.0 * half, -half, 0.0)],
+        BASE=[geometry.rectangle(-2.0 * half, -half, 2.0 * half, 0.0)],
         **{name: [each] for name, each in zip(names, blocks, strict=True)},
     )
     layers: dict[str, Any] = {"BASE": {"support": "base"}}
@@ -418,7 +418,7 @@ def bell_gable(
     rows = geometry.courses(top, top + gable_height_m, course_height_m)
     gable = Polygon([(-half, top), (half, top), (0.0, top + gable_height_m)])
     layout = geometry.tidied(
-        BASE=[geometry.rectangle(-1.25 * half, 1.25 * half, -0.5 * half, 0.0)],
+        BASE=[geometry.rectangle(-1.25 * half, -0.5 * half, 1.25 * half, 0.0)],
         PIEDRITTI=[each for x in starts for each in geometry.stack(x, x + pier_width_m, levels)],
         ARCHITRAVE=geometry.course(-half, half, pier_height_m, top, blocks=1, shifted=False),
         VELA=geometry.fitted(geometry.running_bond(-half, half, rows, along), gable),
@@ -433,8 +433,8 @@ def bell_gable(
 def _two_bases(split: float, length: float, margin: float, depth: float) -> dict[str, list[Array]]:
     """Return two bases below a wall from x = 0 to its length, the right one from `split` on, m."""
     return {
-        "BASE_SINISTRA": [geometry.rectangle(-margin, split, -depth, 0.0)],
-        "BASE_DESTRA": [geometry.rectangle(split, length + margin, -depth, 0.0)],
+        "BASE_SINISTRA": [geometry.rectangle(-margin, -depth, split, 0.0)],
+        "BASE_DESTRA": [geometry.rectangle(split, -depth, length + margin, 0.0)],
     }
 
 

@@ -41,11 +41,8 @@ from mechanics.types import Array
 
 WIDTH_MM = 168.0  # column of an A4 page with 20 mm margins, a little air included
 MM = 1.0 / 25.4  # inches
-OVER_LINES: dict[str, Any] = {
-    "facecolor": "1.0",
-    "edgecolor": "none",
-    "pad": 0.6,
-}  # behind a label that lies on lines
+# behind a label that lies on lines
+OVER_LINES: dict[str, Any] = {"facecolor": "1.0", "edgecolor": "none", "pad": 0.6}
 SHADES = 64  # of a PNG in colours
 FONTS = f"'{FAMILY}', 'DejaVu Sans', Verdana, sans-serif"  # those of the PDF, then those of a screen
 BAND_MM = 1.0  # of white around a figure

@@ -323,6 +323,16 @@ def test_a_linear_problem_is_solved_with_its_standard_errors():
     assert not len(sureness(fit, 1.0).open)
 
 
+def test_unknowns_that_differ_by_rounding_alone_share_what_they_do():
+    """Without any damping their difference, which has an effect of 1e-8, would become 10⁴ m."""
+
+    def alike(values):
+        return [np.array([10.0 * (u[0] + u[1] - 1.0), 1e-8 * (u[0] - u[1]) - 1e-4]) for u in values]
+
+    fit = refined(two(), np.zeros(2), alike([np.zeros(2)])[0], alike)
+    assert fit.u == pytest.approx([0.5, 0.5], abs=0.02)
+
+
 @pytest.mark.parametrize("length", [0.0, 1e-5])
 def test_a_start_much_shorter_than_the_movement_is_left(length):
     """The pattern is a share of the start; steps of Gauss and Newton go on where it is too small to lead anywhere."""
