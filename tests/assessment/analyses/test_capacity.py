@@ -62,8 +62,8 @@ increment_m = 0.1
 def states(tmp_path_factory):
     folder = tmp_path_factory.mktemp("tower")
     edges = np.linspace(0.0, H, N + 1)
-    courses = [rectangle(-B / 2, B / 2, low, high) for low, high in pairwise(edges)]
-    write_drawing(folder / "geometry.dxf", {"BASE": [rectangle(-1.0, 1.0, -0.3, 0.0)], "TOWER": courses})
+    courses = [rectangle(-B / 2, low, B / 2, high) for low, high in pairwise(edges)]
+    write_drawing(folder / "geometry.dxf", {"BASE": [rectangle(-1.0, -0.3, 1.0, 0.0)], "TOWER": courses})
     (folder / "project.toml").write_text(PROJECT, encoding="utf-8")
     project = load_project(folder)
     return analyse(project, build_model(project), jobs=1).results.states

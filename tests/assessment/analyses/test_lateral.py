@@ -19,7 +19,6 @@ from assessment.analyses.lateral import (
     second_solver,
 )
 from assessment.cli.main import main
-from assessment.project.catalogue.geometry import rectangle as outline
 from assessment.project.catalogue.new_project import write_drawing
 from assessment.project.model import build_model
 from assessment.project.project import load_project
@@ -55,8 +54,8 @@ def plinth(folder, text: str):
     """A wall 0.6 × 4.2 m on a plinth 1 × 1 m that does not move in its mechanism."""
     folder.mkdir(exist_ok=True)
     layers = {
-        "BASE": [outline(-1.0, 1.0, -0.3, 0.0)],
-        "WALL": [outline(-0.5, 0.5, 0.0, 1.0), outline(-0.3, 0.3, 1.0, 5.2)],
+        "BASE": [rectangle(-1.0, -0.3, 1.0, 0.0)],
+        "WALL": [rectangle(-0.5, 0.0, 0.5, 1.0), rectangle(-0.3, 1.0, 0.3, 5.2)],
     }
     write_drawing(folder / "geometry.dxf", layers)
     (folder / "project.toml").write_text(text, encoding="utf-8")
@@ -127,9 +126,9 @@ def test_a_curve_whose_first_motion_is_not_found_is_told_and_the_others_go_on(mo
 
 
 LAYERS = {
-    "BASE": [outline(-1.0, 1.0, -0.3, 0.0)],
-    "SIDE": [outline(-1.0, -0.25, 0.0, 3.0)],
-    "WALL": [outline(-0.25, 0.25, 0.0, 3.0)],
+    "BASE": [rectangle(-1.0, -0.3, 1.0, 0.0)],
+    "SIDE": [rectangle(-1.0, 0.0, -0.25, 3.0)],
+    "WALL": [rectangle(-0.25, 0.0, 0.25, 3.0)],
 }
 
 
