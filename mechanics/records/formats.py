@@ -35,7 +35,7 @@ FIVE_COLUMN_KEY = re.compile(r"(Time Increment|Number of Data|PGA) *(\(.*\))? *:
 PEER_SIGN = re.compile(r"\bNPTS\b|TIME (SERIES|HISTORY) IN UNITS OF", re.IGNORECASE)
 NUMBER = r"\d*\.?\d+(?:[Ee][+-]?\d+)?"
 PEER_SIZES = (
-    re.compile(rf"NPTS\s*=\s*(?P<count>\d+)\s*,?\s*DT\s*=\s*(?P<step>{NUMBER})", re.IGNORECASE),
+    re.compile(rf"NPTS\s*=\s*(?P<count>\d+)\s*,?\s*DT\s*=\s*(?P<step>{NUMBER})\s*(s|,|$)", re.IGNORECASE),
     re.compile(rf"^\s*(?P<count>\d+)\s*,?\s*(?P<step>{NUMBER})\s*,?\s*NPTS\s*,\s*DT", re.IGNORECASE),
 )
 V2_BLOCK = re.compile(
@@ -63,6 +63,7 @@ MOST_VALUES = 2_000_000  # of a file: an hour at 250 Hz, with its times
 LARGEST = 1e6  # of a value in a file, in any of the units
 SHORTEST, LONGEST = 1e-6, 10.0  # s: time steps of a record
 SAME_PEAK = 0.02  # of the largest acceleration that a header states
+SAME_UNIT = 0.8  # the same, of a record that was scaled or not: five times more or less is another unit
 NO_UNIT = "no header line states the unit, such as 'Acceleration time series in units of g'; add it"
 SHOWN = 40  # characters of a text that a message shows
 
@@ -110,10 +111,8 @@ class RecordText:
     def step(self, step: float, line: int | None) -> float:
         """Return a time step (s). Raises RecordError where no record has one like it."""
         if not SHORTEST <= step <= LONGEST:
-            must = (
-                f"must be from {SHORTEST:g} to {LONGEST:g} s; name the unit in the heading, as in time [ms]"
-            )
-            raise self.error(line, f"a time step of {step:.3g} s; {must}")
+            must = f"must be from {SHORTEST:g} to {LONGEST:g} s; name the unit in the heading"
+            raise self.error(line, f"a time step of {step:.3g} s; {must}, as in time [ms]")
         return step
 
     def unit(self, name: str, line: int) -> Column:
@@ -135,9 +134,8 @@ def parse_record(path: Path, time_step: float | None) -> Samples:
         unread = f"cannot be read: {error.strerror}; check the name of the record"
         raise RecordError(f"{visible(str(path))}: {unread}") from error
     if size > MOST_BYTES:
-        raise RecordError(
-            f"{visible(str(path))}: more than {MOST_BYTES} bytes; give one record, of one component"
-        )
+        much = f"more than {MOST_BYTES} bytes; give one record, of one component"
+        raise RecordError(f"{visible(str(path))}: {much}")
     content = _decoded(raw)
     for line_end in ("\r\r\n", "\r\n", "\r"):  # the first is common in copies of PEER files
         content = content.replace(line_end, "\n")
@@ -176,9 +174,8 @@ def _format_of(text: RecordText) -> Callable[[RecordText, float | None], Samples
         if any(re.search(sign, line, re.IGNORECASE) for line in head):
             raise text.error(None, f"this is a {name}; {SUPPORTED}")
     if match := re.fullmatch(r"\.(v[0-3])\w?", text.path.suffix, re.IGNORECASE):
-        raise text.error(
-            None, f"this is a {match[1].upper()} file by its name, of an unknown form; {SUPPORTED}"
-        )
+        form = f"this is a {match[1].upper()} file by its name, of an unknown form"
+        raise text.error(None, f"{form}; {SUPPORTED}")
     return _columns
 
 
@@ -188,8 +185,8 @@ def _esm(text: RecordText, _: float | None) -> Samples:
     if end is None:
         end = next((n for n, line in enumerate(text.head) if _is_number(line)), None)
     if end is None:
-        lost = "the header does not end with a USER5 line, and no value follows"
-        raise text.error(None, f"{lost}; get the file again from its source")
+        lost = "no USER5 line ends the header, and no value follows; get the file again from its source"
+        raise text.error(None, lost)
     kind, line = text.field(r"^\s*DATA_TYPE\s*:(.*)", end)
     if kind.upper() not in ("", "ACCELERATION"):
         raise text.error(line, f"DATA_TYPE is {kind[:SHOWN]!r}; give the file of the ACCELERATION")
@@ -264,12 +261,12 @@ def _v2(text: RecordText, _: float | None) -> Samples:
     return Samples(own.size * values, step, own.unit)
 
 
-def _check_peak(text: RecordText, line: int, stated: float, acceleration: Array) -> None:
-    """Raise RecordError where the largest acceleration is not the one that the header states, in the same unit."""
-    found = float(abs(acceleration).max())
-    if abs(found - abs(stated)) > SAME_PEAK * abs(stated):
-        message = f"the largest acceleration is {abs(stated):.4g}, that of the values {found:.4g}"
-        raise text.error(line, f"{message}; the file was changed or is damaged: get it again from its source")
+def _check_peak(text: RecordText, line: int, stated: float, values: Array, share: float = SAME_PEAK) -> None:
+    """Raise RecordError where the header states another largest acceleration, by more than a `share`, in one unit."""
+    found, size = float(abs(values).max()), abs(stated)
+    if abs(found - size) > share * max(found, size):
+        message = f"the largest acceleration is {size:.4g}, that of the values {found:.4g}; the file was changed, is "
+        raise text.error(line, f"{message}damaged or names another unit: get it again from its source")
 
 
 def _columns(text: RecordText, time_step: float | None) -> Samples:
@@ -405,17 +402,19 @@ def _uniform_step(text: RecordText, header: int, times: Array) -> float:
     return float(f"{step:.9g}")  # the times are printed decimals: 0.005, not 0.00499999999
 
 
-def _counted(text: RecordText, header: int, unit: Column, step: Entry, count: Entry) -> Samples:
+def _counted(text: RecordText, header: int, own: Column, step: Entry, count: Entry) -> Samples:
     """Read the values after the header, whose entries have their step (s) and how many they are."""
     time_step, stated = text.step(text.positive(*step), step[2]), text.positive(*count)
     # numbers of fixed columns that touch are parted where a minus starts the next one
     values = _values(text, header, lambda line: re.sub(r"(?<![Ee])-", " -", line).split())
     if values.size != stated:
-        message = (
-            f"{values.size} values where {count[0]} says {stated:g}; the file was cut or edited: get it again"
-        )
-        raise text.error(len(text.lines), message)
-    return Samples(unit.size * values, time_step, unit.unit)
+        message = f"{values.size} values where {count[0]} says {stated:g}"
+        raise text.error(len(text.lines), f"{message}; the file was cut or edited: get it again")
+    peak, line = text.field(r"^PGA[ _]\(?(.*:.*)", header)
+    name, _, size = peak.partition(":")
+    if (its := unit(name.rstrip(" )"))) and _is_number(size) and float(size):
+        _check_peak(text, line, float(size), own.size / its.size * values, SAME_UNIT)
+    return Samples(own.size * values, time_step, own.unit)
 
 
 def _values(text: RecordText, header: int, cells: Callable[[str], list[str]]) -> Array:

@@ -120,6 +120,7 @@ QUOTED = '"time","acc"\n' + "".join(f'"{STEP * k:.3f}","{v:.9f}"\n' for k, v in 
 
 FORMATS = {
     "esm": esm(),
+    "esm, PGA scaled by hand": esm().replace("KEY_9: ", "PGA_CM/S^2: -100.0"),
     "esm without sensor depth": esm(sensor_depth=False),
     "esm, Windows": esm().replace("\n", "\r\n"),
     "peer": peer(),
@@ -179,6 +180,15 @@ FAULTS = {
     "esm cut": (esm(NDATA=15), "line 74: 12 values where NDATA says 15; .*get it again"),
     "esm nan, doubled returns": (esm(NAN).replace("\n", "\r\r\n"), "line 70: 'nan' is not a finite number"),
     "esm nan": (esm(NAN), "line 70: 'nan' is not a finite number"),
+    "esm of another unit": (
+        esm().replace("KEY_9: ", "PGA_CM/S^2: -24516.6"),
+        "line 10: the largest acceleration is 2.452e.04, that of the values 245.2; .*another unit: get it again",
+    ),
+    "five columns of another unit": (
+        five_column(**{"PGA (m/s/s)": 0.0245166}),
+        "line 5: the largest acceleration is 0.02452, that of the values 2.452",
+    ),
+    "peer milliseconds": (peer(sizes="NPTS= {n}, DT= 5.0 MSEC"), "line 4: must read 'NPTS= 4000, DT= 0.005 SEC'"),
     "peer no sizes": (peer(sizes="4000 points"), "no line with NPTS and DT"),
     "peer too long": (peer(n=10), "line 7: 12 values where NPTS says 10"),
     "five columns cut": (five_column()[:-3], "line 9: '.*E' is not a finite number"),
