@@ -18,8 +18,7 @@ from mechanics.kernels.joint import H
 from mechanics.messages import message
 from mechanics.model.contacts import end_gaps
 from mechanics.program import Program, bed_gaps, end_forces
-from mechanics.solvers import ACCEPTED, interior
-from mechanics.solvers.elimination import Elimination
+from mechanics.solvers import interior
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.geometry_iteration import Round, certified, find_equilibrium
 from mechanics.steps.static_step import Equilibrium, StepProblem, displaced, proximal
@@ -136,11 +135,15 @@ def _step_from_rest(
         frozen = interior.frozen(program)
     full, held, solves = None, None, 0  # solutions with the geometry that changes, and with the geometry held
 
+    def solved(tried: Program, begin: Iterate) -> Iterate | None:
+        found, outcome = interior.run(tried, layout, begin, REST.rigid if system.rigid else REST.elastic)
+        return found if outcome.accepted else None
+
     def nearby(begin: Iterate) -> Iterate | None:
-        solution = _stable(program, layout, begin)
-        if solution and way(at, displaced(system.model, at, solution.displacement), size) > near:
+        found = solved(program, begin)
+        if found is None or not interior.stable(program, layout, found):
             return None
-        return solution
+        return found if way(at, displaced(system.model, at, found.displacement), size) <= near else None
 
     if warm and curved:
         full, solves = nearby(warm.warm(program)), 1
@@ -152,7 +155,7 @@ def _step_from_rest(
         first = [(frozen, warm.warm(frozen))] if warm else []
         cold = ((tried, start) for tried in programs for start in interior.cold_starts(tried, layout))
         for tried, start in chain(first, cold):
-            held, solves = _solved(tried, layout, start), solves + 1
+            held, solves = solved(tried, start), solves + 1
             if held:
                 break
         if held and curved:
@@ -173,18 +176,6 @@ def _step_from_rest(
         alpha=found.alpha,
         solves=solves,
     )
-
-
-def _solved(program: Program, layout: Elimination, start: Iterate) -> Iterate | None:
-    """Return the solution of a program that is found from a start; None if none is."""
-    found, outcome = interior.run(program, layout, start, 1e3 * ACCEPTED)
-    return found if outcome.accepted else None
-
-
-def _stable(program: Program, layout: Elimination, start: Iterate) -> Iterate | None:
-    """Return the solution of a program with the change of its forces; None if none is found, or it is unstable."""
-    found = _solved(program, layout, start)
-    return found if found and interior.stable(program, layout, found) else None
 
 
 def lifted(equilibrium: Equilibrium) -> float:

@@ -36,7 +36,7 @@ class StepTolerances:
     """
 
     rigid: tuple[float, ...] = (1e-5, 1e-8, 1e-10)
-    elastic: tuple[float, ...] = (1e-4, 1e-8)
+    elastic: tuple[float, ...] = (1e-4, 1e-10)
     rounds: int = 16
     go_on: float = 0.1
     wider: float = 100.0
@@ -65,6 +65,8 @@ class StepTolerances:
 class RestTolerances:
     """Tolerances of a motion whose velocity is reset in every step.
 
+    `rigid`, `elastic`: residuals, per weight and step, of its programs. Gaps err by 1/WIDE times as much, and where
+    those of beds err by a step's own way a motion turns back and rests where there is no equilibrium.
     `first`, in units of √(size/g): time of the first step. `stride`: motion in a step, as a share of the whole motion
     so far, and at least `way`. As shares of the block size: `way`; `lifted`, gap of joints that carry; `farthest`, way
     beyond which a block runs away (1 rad counts as 1): a block that leaves its seat or topples has collapsed, even if
@@ -74,6 +76,8 @@ class RestTolerances:
     `steady`: share of the unbalanced force half-way that is left at the end of a motion that does not slow down.
     """
 
+    rigid: float = 1e-7
+    elastic: float = 1e-9
     first: float = 0.5
     way: float = 0.01
     stride: float = 0.2

@@ -23,12 +23,12 @@ LINES = {
     "assessment/studies": 2232,
     "assessment/workflow": 902,
     "mechanics": 934,
-    "mechanics/kernels": 3518,
+    "mechanics/kernels": 3522,
     "mechanics/model": 2998,
     "mechanics/procedures": 3655,
     "mechanics/records": 989,
     "mechanics/solvers": 933,
-    "mechanics/steps": 1803,
+    "mechanics/steps": 1798,
 }
 
 

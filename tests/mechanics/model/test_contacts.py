@@ -160,6 +160,8 @@ def test_forces_at_the_ends_of_an_overlap_move_with_it_as_faces_slide(name, seed
         row[1], out[LEVERS:] @ row[:2]
     )
     found = derivative(on_blocks, 1e-7).T
+    # another corner may end the overlap within the difference: there is no derivative
+    assume(found == pytest.approx(derivative(on_blocks, 1e-8).T, abs=1e-5))
     # to the first order in the turn, and in the gap beside the size of blocks
     small = abs(place[0, PHI]) * abs(expected).max() + abs(place[0, U]) * (n1 + n2 + t)
     assert found == pytest.approx(expected, abs=small + 1e-5)

@@ -14,6 +14,7 @@ from mechanics.errors import NoEquilibriumError, RunawayError
 from mechanics.steps.tolerances import REST
 from tests.support.analysed import arch
 from tests.support.drawn_projects import drawn, tables
+from tests.support.random_masonry import random_masonry
 from tests.support.structures import arch_on_piers
 
 
@@ -76,6 +77,12 @@ def test_a_motion_does_not_jump_out_of_the_rest_that_it_comes_to():
         settled = pushdown(model, "right", movement, 0.0, 0.004, "elastic", sliding="coulomb").final
         curve = pushover(model, (0.0, 1.372), "-x", "elastic", 0.005, settled, sliding="coulomb")
         assert curve.displacement[-1] == pytest.approx(0.0247, rel=0.02)
+
+
+def test_a_motion_knows_the_gaps_of_beds_better_than_its_way():
+    """It turned back, crept to a saddle, and the curve ended there: it went on by 1e-6 m a step."""
+    model = random_masonry(21)
+    assert pushover(model, None, "-x", "elastic", 0.01 * model.size).reached_zero
 
 
 def test_a_step_ends_where_two_programs_in_a_row_find_the_structure_unstable(monkeypatch):
