@@ -20,6 +20,7 @@ from mechanics.types import Array
 STRONGEST, WEAKEST = 2.0, 0.005  # g: beyond them the unit is probably another one
 COARSEST = 0.05  # s: frequencies above 10 Hz, which records have, would be lost
 SHORTEST = 5.0  # s
+OFFSET = 0.02  # of the PGA: records that are corrected have a mean of some millionths
 CUT = 0.2  # of the PGA: a record that begins or ends with more was cut off
 KEPT = 0.02  # of the PGA: a step that changes it by more leaves another motion
 SAME = 1e-4  # of the PGA: closer than this two records are one
@@ -220,23 +221,22 @@ def doubtful_records(motions: Sequence[BaseMotion]) -> list[Message]:
     for motion in motions:
         record, doubts = motion.original, [*doubtful_units(motion.original)]
         if record.duration < SHORTEST:
-            length = record.duration
-            doubts.append(message("lasts {duration:.3g} s; check that the record is whole", duration=length))
+            doubts.append(message("lasts {duration:.3g} s; check that it is whole", duration=record.duration))
         elif max(abs(record.acceleration[[0, -1]])) > CUT * record.pga:
-            doubts.append(message("begins or ends with strong motion; check that the record is whole"))
+            doubts.append(message("begins or ends with strong motion; check that it is whole"))
         found += [message("campaign, {record}: {text}", record=motion.name, text=doubt) for doubt in doubts]
     return found
 
 
 def doubtful_units(record: Record) -> Iterator[Message]:
-    """Yield a warning for each unit, of accelerations or times, in which a record is implausible."""
-    if not WEAKEST < record.pga < STRONGEST:
+    """Yield a warning where the unit of accelerations or times, or the base line, of a record is implausible."""
+    pga, step, mean = record.pga, record.time_step, float(record.acceleration.mean())
+    if not WEAKEST < pga < STRONGEST:
         yield message(
             "a PGA of {pga:.3g} g, read in {unit}; check the unit of the file, and name it in its heading",
-            pga=record.pga, unit=record.unit,
+            pga=pga, unit=record.unit,
         )  # fmt: skip
-    if record.time_step > COARSEST:
-        yield message(
-            "a time step of {step:.3g} s; check the unit of the times, and name it in the heading",
-            step=record.time_step,
-        )
+    if step > COARSEST:
+        yield message("a time step of {step:.3g} s; name the unit of the times in the heading", step=step)
+    if abs(mean) > OFFSET * pga:
+        yield message("a mean of {mean:.2g} g; correct its base line, unless it is a pulse", mean=mean)

@@ -257,6 +257,7 @@ def test_doubtful_records_are_warned_of():
     assert doubtful_records([motion("a", noise(1))]) == []
     for text, doubtful in (
         ("unit", motion("a", noise(1, 3.0))),
+        ("a mean of 0.048 g", motion("a", noise(1) + 0.05)),
         ("lasts", motion("a", noise(1, count=300))),
         ("begins or ends", motion("a", noise(1)[450:960])),
     ):
