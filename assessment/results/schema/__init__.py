@@ -68,7 +68,7 @@ class SummaryRow(Multipliers):
     dynamic_pga_g: float | None = optional("PGA at collapse by [incremental]; null: none found")
     dynamic_loss: float | None = optional(
         "`incremental.loss.dynamic`, of the levels of 50 %; null: not determined",
-        "Perdita dinamica, mediana|Dynamic loss, median", shown="%", digits=2,
+        "Perdita dinamica, mediana|Dynamic loss, median", change=True,
     )  # fmt: skip
     dynamic_to_static: float | None = optional("`dynamic_pga_g` over `static_nominal_pga_g`")
 

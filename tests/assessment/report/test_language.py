@@ -48,6 +48,10 @@ def test_a_value_is_written_in_the_unit_of_its_heading():
     assert written("d_0_m", 0.01234, ENGLISH) == "12.3"
     assert heading("static_loss", ENGLISH).endswith("[%]")
     assert written("static_loss", 0.1234, ENGLISH) == "12", "no more digits than it is known with"
+    losses = [name for name in QUANTITIES if "loss" in name or "reduction" in name]
+    assert {written(name, -6.3e-13, ENGLISH) for name in losses} == {"0"}, (
+        "of what rounding leaves no power of ten"
+    )
     assert written("weight_kN", 12.34, ENGLISH) == "12.3", "any other number as results.json has it"
 
 
