@@ -102,16 +102,16 @@ class FitTolerances:
 
     As shares of the movement: `difference`, of finite differences, at least `least` (m); `reach`, the first distance of
     the pattern search, which ends at that of the differences; `rounds`: its most. `dampings`: of the trial steps,
-    relative to the largest curvature; the first one keeps still only unknowns without effect. `gain`: of χ², or of
-    `exact` where it is less, below which a step has none; `smooth`: of slopes over two successive steps, by which they
-    may differ; `linear`: of what is predicted within a standard error, in σ, from its linear part.
+    relative to the largest curvature. `gain`: of χ², or of `exact` where it is less, below which a step has none;
+    `smooth`: of slopes over two successive steps, by which they may differ; `linear`: of what is predicted within a
+    standard error, in σ, from its linear part.
     """
 
     difference: float = 0.01
     least: float = 1e-6
     reach: float = 0.25
     rounds: int = 40
-    dampings: tuple[float, ...] = (1e-12, 1e-2, 1.0)
+    dampings: tuple[float, ...] = (0.0, 1e-2, 1.0)
     gain: float = 1e-6
     exact: float = 1e-2
     smooth: float = 0.1
@@ -153,14 +153,14 @@ def best_length(share: Array, residual: Array) -> tuple[float, float]:
     return float(share[k] + part[k] * (share[k + 1] - share[k])), float(squares[k])
 
 
-def refined(unknowns: Unknowns, start: Array, residual: Array, predict: Predict) -> Fit:
-    """Return the fit near the values `start` (n,), m, whose residuals over σ (m,) are given."""
+def refined(unknowns: Unknowns, start: Array, residual: Array, predict: Predict, measured: float) -> Fit:
+    """Return the fit near `start` (n,), m, of given residuals over σ (m,); no step in open directions (`sureness`)."""
     u, stopped, radius = start, False, FIT.reach * float(np.linalg.norm(start))
-    newton, sides = _newton(unknowns, u, residual, predict), np.concatenate([np.eye(len(u)), -np.eye(len(u))])
+    axes, newton = np.eye(len(u)), _newton(unknowns, u, residual, predict, measured)
     for _ in range(FIT.rounds):
         if not newton and radius <= _difference(u):
             break
-        trials = [unknowns.bounded(u + step) for step in [*newton, *radius * sides]]
+        trials = [unknowns.bounded(u + step) for step in [*newton, *radius * axes, *-radius * axes]]
         found = predict(trials)
         if newton:
             stopped = any(each is None for each in found[: len(newton)])
@@ -170,14 +170,23 @@ def refined(unknowns: Unknowns, start: Array, residual: Array, predict: Predict)
             newton, radius = [], 0.5 * radius  # nothing better so far away
             continue
         u, residual = trials[best], np.asarray(found[best])
-        newton = _newton(unknowns, u, residual, predict)
+        newton = _newton(unknowns, u, residual, predict, measured)
     return Fit(u, residual, _slopes(unknowns, u, residual, predict), stopped)
 
 
-def _newton(unknowns: Unknowns, u: Array, residual: Array, predict: Predict) -> list[Array]:
-    """Return the steps (n,) of Gauss and Newton, undamped and damped."""
-    jacobian = _jacobian(unknowns, u, residual, predict)
-    return [_step(unknowns, u, residual, jacobian, damping) for damping in FIT.dampings]
+def _newton(unknowns: Unknowns, u: Array, residual: Array, predict: Predict, measured: float) -> list[Array]:
+    """Return the steps x (n,), m, within the bounds of least |J x + r|² + s₁² (damping |x|² + |V x|²), by damping.
+
+    s₁: the largest singular value of J; V: the open directions, where differences are noise, which led 13 m away.
+    """
+    from scipy.optimize import lsq_linear  # late: few runs fit, and it takes long to import
+
+    jacobian, most = _jacobian(unknowns, u, residual, predict), np.where(unknowns.falling, -u, np.inf)
+    (s1, *_), right, open_ = _directions(u, jacobian, measured)
+    held = [s1 * np.vstack([np.sqrt(each) * np.eye(len(u)), right[open_]]) for each in FIT.dampings]
+    target = np.append(-residual, np.zeros(len(held[0])))
+    rows = [np.vstack([jacobian, each]) for each in held]
+    return [lsq_linear(each, target, (-np.inf, most), method="bvls").x for each in rows]
 
 
 def _jacobian(unknowns: Unknowns, u: Array, residual: Array, predict: Predict) -> Array:
@@ -273,17 +282,11 @@ def over_kinks(unknowns: Unknowns, fit: Fit, error: Array, predict: Predict) -> 
     return found, replace(fit, slopes=tuple(tuple(each) for each in lengths))
 
 
-def _step(unknowns: Unknowns, u: Array, residual: Array, jacobian: Array, damping: float) -> Array:
-    """Return the step x (n,), m, within the bounds that minimises |J x + r|² + damping · s₁² |x|².
-
-    s₁: the largest singular value of J.
-    """
-    from scipy.optimize import lsq_linear  # late: few runs fit, and it takes long to import
-
-    damped = np.sqrt(damping) * np.linalg.norm(jacobian, 2) * np.eye(len(u))
-    rows, target = np.vstack([jacobian, damped]), np.append(-residual, np.zeros(len(u)))
-    most = np.where(unknowns.falling, -u, np.inf)
-    return np.asarray(lsq_linear(rows, target, (-np.inf, most), method="bvls").x)
+def _directions(u: Array, jacobian: Array, measured: float) -> tuple[Array, Array, Mask]:
+    """Return the singular values (n,), 1/m, and vectors (n, n) of derivatives (m, n), and which are open."""
+    _, s, right = np.linalg.svd(jacobian, full_matrices=True)
+    s = np.concatenate([s, np.zeros(len(u) - len(s))])
+    return s, right, s * max(float(np.linalg.norm(u)), measured) < 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -312,11 +315,7 @@ def sureness(fit: Fit, measured: float) -> Sureness:
 
 def _sureness(fit: Fit, jacobian: Array, measured: float) -> tuple[Array, Array]:
     """Return standard errors (n,), m, and open directions (d, n) of derivatives (m, n), 1/m."""
-    _, s, right = np.linalg.svd(jacobian, full_matrices=True)
-    n = len(fit.u)
-    s = np.concatenate([s, np.zeros(n - len(s))])
-    longest = max(float(np.linalg.norm(fit.u)), measured)
-    open_ = s * longest < 1.0
+    s, right, open_ = _directions(fit.u, jacobian, measured)
     variance = np.sum((right[~open_] / s[~open_, None]) ** 2, axis=0)
-    touched = (abs(right[open_]) > PART).any(axis=0) if open_.any() else np.zeros(n, dtype=bool)
+    touched = (abs(right[open_]) > PART).any(axis=0)
     return np.where(touched, np.inf, np.sqrt(variance)), right[open_]

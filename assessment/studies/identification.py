@@ -219,7 +219,7 @@ class MovementSearch:
         for _, start in starts[:STARTS]:
             [residual] = predict([start])
             if residual is not None:
-                fits.append(fitting.refined(unknowns, start, residual, predict))
+                fits.append(fitting.refined(unknowns, start, residual, predict, self.largest))
         return min(fits, key=lambda fit: fit.chi_squared, default=None)
 
     def predict(self, unknowns: fitting.Unknowns) -> fitting.Predict:

@@ -20,7 +20,7 @@ LINES = {
     "assessment/report": 5471,
     "assessment/results": 3084,
     "assessment/runtime": 1358,
-    "assessment/studies": 2232,
+    "assessment/studies": 2231,
     "assessment/workflow": 902,
     "mechanics": 934,
     "mechanics/kernels": 3522,

@@ -303,7 +303,7 @@ def test_what_is_flat_beyond_a_kink_within_its_error_is_not_determined():
     def flat(values):
         return [np.array([10.0 * u[0], min(u[1], 0.3)]) for u in values]
 
-    fit = refined(two(), np.zeros(2), np.zeros(2), flat)
+    fit = refined(two(), np.zeros(2), np.zeros(2), flat, 10.0)
     assert sureness(fit, 10.0).error == pytest.approx([0.1, 1.0])
     kinked, around = over_kinks(two(), fit, sureness(fit, 10.0).error, flat)
     assert kinked.tolist() == [[False, False], [False, True]]
@@ -316,20 +316,21 @@ def test_what_is_flat_beyond_a_kink_within_its_error_is_not_determined():
 def test_a_linear_problem_is_solved_with_its_standard_errors():
     offset = np.array([1.0, 2.0, 4.0])
     predict, start = linear(offset), np.array([0.1, -0.1])
-    fit = refined(two(), start, LINEAR @ start - offset, predict)
+    fit = refined(two(), start, LINEAR @ start - offset, predict, 10.0)
     assert fit.u == pytest.approx(np.linalg.lstsq(LINEAR, offset, rcond=None)[0], abs=1e-9)
     errors = np.sqrt(np.diag(np.linalg.inv(LINEAR.T @ LINEAR)))
     assert sureness(fit, 1.0).error == pytest.approx(errors, abs=1e-9)
     assert not len(sureness(fit, 1.0).open)
 
 
-def test_unknowns_that_differ_by_rounding_alone_share_what_they_do():
-    """Without any damping their difference, which has an effect of 1e-8, would become 10⁴ m."""
+@pytest.mark.parametrize("effect", [1e-8, 1e-2])
+def test_unknowns_share_what_their_difference_does_not_show(effect):
+    """Their difference, of an effect within σ, would become 10⁴ m, or 1 m; supports were told to sink by 13 m."""
 
     def alike(values):
-        return [np.array([10.0 * (u[0] + u[1] - 1.0), 1e-8 * (u[0] - u[1]) - 1e-4]) for u in values]
+        return [np.array([10.0 * (u[0] + u[1] - 1.0), effect * (u[0] - u[1] - 1.0)]) for u in values]
 
-    fit = refined(two(), np.zeros(2), alike([np.zeros(2)])[0], alike)
+    fit = refined(two(), np.zeros(2), alike([np.zeros(2)])[0], alike, 1.0)
     assert fit.u == pytest.approx([0.5, 0.5], abs=0.02)
 
 
@@ -341,7 +342,7 @@ def test_a_start_much_shorter_than_the_movement_is_left(length):
         return [LINEAR @ (u + u**3 - [0.3, 0.2]) for u in values]
 
     start = np.array([length, 0.0])
-    fit = refined(two(), start, curved([start])[0], curved)
+    fit = refined(two(), start, curved([start])[0], curved, 10.0)
     assert fit.u + fit.u**3 == pytest.approx([0.3, 0.2], abs=1e-4)
 
 
@@ -355,7 +356,7 @@ def test_a_jump_beside_the_fit_and_a_kink_in_it():
         ]
 
     for at, side in ((1e-9, 1), (-1e-9, 0), (1.5e-6, 1)):
-        fit = refined(two(), start, jump(at)([start])[0], jump(at))
+        fit = refined(two(), start, jump(at)([start])[0], jump(at), 10.0)
         error = sureness(fit, 10.0).error
         assert error == pytest.approx([0.1, 1.0])
         assert over_kinks(two(), fit, error, jump(at))[0].tolist() == [[False, False], [side == 0, side == 1]]
@@ -363,14 +364,14 @@ def test_a_jump_beside_the_fit_and_a_kink_in_it():
     def kink(values):
         return [np.array([10.0 * u[0], max(u[1], 2.0 * u[1])]) for u in values]
 
-    fit = refined(two(), start, np.zeros(2), kink)
+    fit = refined(two(), start, np.zeros(2), kink, 10.0)
     assert sureness(fit, 10.0).error == pytest.approx([0.1, 1.0])
     assert [len(slopes) for slopes in fit.slopes] == [1, 2]
 
 
 def test_a_bound_holds_and_the_others_go_on():
     offset, start = np.array([1.0, 2.0, 4.0]), np.array([0.1, -0.1])
-    fit = refined(two(True), start, LINEAR @ start - offset, linear(offset))
+    fit = refined(two(True), start, LINEAR @ start - offset, linear(offset), 10.0)
     assert fit.u[1] == 0.0
     assert fit.u[0] == pytest.approx(LINEAR[:, 0] @ offset / (LINEAR[:, 0] @ LINEAR[:, 0]), abs=1e-9)
 
@@ -382,7 +383,7 @@ def test_slopes_are_those_between_one_and_two_hundredths_of_the_movement():
         return [np.array([10.0 * (u[0] - 1.0), u[1] + u[1] ** 2 - 1.0]) for u in values]
 
     start = np.array([1.0, 0.0])
-    fit = refined(two(True), start, curved([start])[0], curved)
+    fit = refined(two(True), start, curved([start])[0], curved, 10.0)
     assert fit.u == pytest.approx([1.0, 0.0], abs=1e-9)
     assert [slope[1] for slope in fit.slopes[1]] == pytest.approx([0.97])
 
