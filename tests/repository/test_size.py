@@ -17,7 +17,7 @@ LINES = {
     "assessment/cli": 601,
     "assessment/ntc": 2041,
     "assessment/project": 4450,
-    "assessment/report": 5471,
+    "assessment/report": 5468,
     "assessment/results": 3084,
     "assessment/runtime": 1358,
     "assessment/studies": 2231,

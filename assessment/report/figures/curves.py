@@ -11,7 +11,7 @@ from assessment.report.language import Words, direction_name, label, scale
 from assessment.report.tables.mechanisms import alpha_at_d_0, elastic_capacity
 from assessment.report.tables.studies import ROUNDING, bars
 from assessment.results.schema import Direction, Pushovers, Results, known, present
-from assessment.results.table import compared, sense
+from assessment.results.table import ORIGINAL, compared, sense
 from mechanics.pictures import MARKS
 from mechanics.types import GRAVITY
 
@@ -219,13 +219,15 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
     figure, (axes,) = chart(words, height_mm=95.0)
     for number, name in enumerate(names):
         style = state_style(number)
+        begins = known(results.states[name].settlement).after or ORIGINAL
+        start = max((point.movement_m for point in found.points if point.state == begins), default=0.0)
         for direction, (marker, face) in SIDES.items():
             own = [
                 (mm * point.movement_m, capacity)
                 for point in found.points
                 if point.direction == direction
                 and (capacity := compared(point, found.quantity)) is not None
-                and (point.state == name or point.movement_m == 0.0)
+                and (point.state == name or (point.state == begins and point.movement_m == start))
             ]
             inside, named = style["color"] if face != "1.0" else face, words.at(name, direction)
             if own:
@@ -235,18 +237,13 @@ def draw_scenarios(results: Results, words: Words) -> Figure:
         if ultimate := present(dict(enumerate(reached))):
             mark: dict[str, Any] = {"marker": "x", "markersize": 6.0, "linestyle": "none", "clip_on": False}
             named = words.plain("figure.ultimate_mark", state=name)
-            axes.plot(mm * min(ultimate.values()), 0.0, color=style["color"], label=named, **mark)
+            axes.plot(mm * (start + min(ultimate.values())), 0.0, color=style["color"], label=named, **mark)
     if worst := found.worst:  # where the structure has fallen no capacity is left
         height = 0.0 if worst.collapses else known(compared(worst, found.quantity))
         place = {"state": worst.state, "direction": worst.direction, "movement": worst.movement_m}
         named = words.plain(f"figure.{'worst_collapses' if worst.collapses else 'worst'}", **place)
-        ring: dict[str, Any] = {
-            "marker": "o",
-            "markerfacecolor": "none",
-            "markersize": 11,
-            "linestyle": "none",
-        }
-        axes.plot(mm * worst.movement_m, height, color="0.0", clip_on=False, label=named, **ring)
+        ring: dict[str, Any] = {"marker": "o", "markerfacecolor": "none", "markersize": 11, "clip_on": False}
+        axes.plot(mm * worst.movement_m, height, color="0.0", linestyle="none", label=named, **ring)
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel(label("movement_m", words))

@@ -3,10 +3,13 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from assessment.project.model import build_model
 from assessment.project.project import load_project
+from assessment.report.figures.curves import draw_scenarios
+from assessment.report.language import words_of
 from assessment.results.schema.part import plain
 from assessment.results.schema.studies import SensitivityRun
 from assessment.studies.variants import scatter, with_factor, without_effect
@@ -91,6 +94,16 @@ def test_a_sweep_follows_the_closed_form(project):
         "+x",
         1,
     )
+
+
+def test_a_movement_that_follows_another_is_drawn_from_where_that_ends(project):
+    """It was drawn from the capacity as drawn: of a movement there and back the figure showed no loss."""
+    asked = project(BLOCK + TURNS.replace('"turned back"', '"turned back"\nafter = "turned"') + PUSHOVER)
+    found = run(asked, build_model(asked), 1).results
+    lines = draw_scenarios(found, words_of(found)).axes[0].get_lines()
+    way = 1000.0 * math.hypot(0.6, 0.15)
+    ends = [line.get_xdata()[[0, -1]] for line in lines if str(line.get_label()).startswith("turned back, ")]
+    assert np.array(ends) == pytest.approx(way * np.array([[0.04, 0.06]] * 2))
 
 
 def test_a_point_of_a_sweep_is_a_scenario_of_its_own(project):
