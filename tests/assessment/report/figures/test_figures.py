@@ -103,12 +103,13 @@ def test_resultants_are_drawn_to_a_round_scale(largest, unit):
 
 
 def test_what_is_not_moved_is_not_magnified():
-    """A facade at rest was drawn with its last digits, magnified by 1e16."""
+    """A facade at rest was drawn with its last digits, magnified by 1e16; an arch moved there and back, by 2e7."""
     corners = np.array([[-4.5e-4, 1.9e-3], [0.61, 1.7e-3], [0.61, 0.42], [1e-3, 0.421]])
     at_rest = Shape.of(
         [corners, corners + np.array([7.3, 3.1])], [[0.30523, 0.21111], [7.60523, 3.31111]], [False, False]
     )
     assert magnification(at_rest, np.zeros((2, 3))) == 1.0
+    assert magnification(at_rest, np.full((2, 3), 1e-8)) == 1.0
     assert magnification(at_rest, np.full((2, 3), 1e-3)) > 1.0
 
 
