@@ -187,8 +187,8 @@ def nice(value: float) -> float:
 
 def magnification(shape: Shape, configuration: Any) -> float:
     """Return a round factor that makes the largest displacement of a configuration (b, 3) `SHOWN` of the size."""
-    travel = float(np.abs(shape.moved(configuration).points - shape.points).max())
-    return nice(max(1.0, SHOWN * shape.size / travel)) if travel > 1e-7 * shape.size else 1.0  # left by paths
+    travel = float(np.abs(shape.moved(configuration).points - shape.points).max()) / shape.size
+    return nice(max(1.0, SHOWN / travel)) if travel > 1e-7 else 1.0  # less is an error of paths, no movement
 
 
 def swept_by(shape: Shape, velocity: Array) -> float:

@@ -154,7 +154,7 @@ def best_length(share: Array, residual: Array) -> tuple[float, float]:
 
 
 def refined(unknowns: Unknowns, start: Array, residual: Array, predict: Predict, measured: float) -> Fit:
-    """Return the fit near `start` (n,), m, of given residuals over σ (m,); no step in open directions (`sureness`)."""
+    """Return the fit near `start` (n,), m, of given residuals over σ (m,); open `_directions` stay."""
     u, stopped, radius = start, False, FIT.reach * float(np.linalg.norm(start))
     axes, newton = np.eye(len(u)), _newton(unknowns, u, residual, predict, measured)
     for _ in range(FIT.rounds):
@@ -283,7 +283,7 @@ def over_kinks(unknowns: Unknowns, fit: Fit, error: Array, predict: Predict) -> 
 
 
 def _directions(u: Array, jacobian: Array, measured: float) -> tuple[Array, Array, Mask]:
-    """Return the singular values (n,), 1/m, and vectors (n, n) of derivatives (m, n), and which are open."""
+    """Return singular values (n,), 1/m, and vectors (n, n) of derivatives (m, n), and which are open (`sureness`)."""
     _, s, right = np.linalg.svd(jacobian, full_matrices=True)
     s = np.concatenate([s, np.zeros(len(u) - len(s))])
     return s, right, s * max(float(np.linalg.norm(u)), measured) < 1.0

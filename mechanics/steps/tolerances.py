@@ -65,8 +65,8 @@ class StepTolerances:
 class RestTolerances:
     """Tolerances of a motion whose velocity is reset in every step.
 
-    `rigid`, `elastic`: residuals, per weight and step, of its programs. Gaps err by 1/WIDE times as much, and where
-    those of beds err by a step's own way a motion turns back and rests where there is no equilibrium.
+    `rigid`, `elastic`: residuals, per weight and step, of its programs. Gaps are known to 1/WIDE times as much;
+    where gaps of beds err by the length of a step, a motion turns back and rests where there is no equilibrium.
     `first`, in units of √(size/g): time of the first step. `stride`: motion in a step, as a share of the whole motion
     so far, and at least `way`. As shares of the block size: `way`; `lifted`, gap of joints that carry; `farthest`, way
     beyond which a block runs away (1 rad counts as 1): a block that leaves its seat or topples has collapsed, even if

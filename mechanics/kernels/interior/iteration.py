@@ -44,8 +44,8 @@ from mechanics.kernels.linalg.factors import cholesky, lu, substitute
 from mechanics.types import Array
 
 STIFFEST = 1e-11  # compliance, per step and weight, that bounds the stiffness of closed and of stuck joints
-CENTRED = 0.3  # of the mean product is the least target while gaps are missed by more,
-BEHIND = 0.01  # and all of it where the products are smaller than this share of what is missed
+CENTRED = 0.3  # minimum centring parameter while infeasible
+BEHIND = 0.01  # of the infeasibility: products below it are not reduced
 HOLDING = 1e-8  # stiffness, per weight and step, that holds blocks
 FIRMER = 10.0  # by which it grows where there is no factor
 FIRM = 1.0  # the most of it
@@ -241,7 +241,7 @@ def iterate(
     joints = ProgramJoints(row, places, law, np.zeros_like(curved), which)
     known = np.empty(((c + LANES - 1) // LANES, KNOWN))
     tied = len(mass) > 0 or (law[:, BED] < np.inf).any()  # forces and gaps, to each other
-    # gaps of open ends of exact beds are missed for long and carry nothing; where joints crush they are not linear
+    # open ends of exact beds are infeasible for long and carry nothing; gaps of joints that crush are nonlinear
     beds, crushes = (law[:, BED] < np.inf) & (law[:, SEGMENTS] == 0.0), (law[:, STRENGTH] < np.inf).any()
     counted = WIDE if beds.any() and not crushes else 1.0
     pushed, skew = len(lateral) > 0, bool(len(law) > 0 and (law[:, DILATION] < 1.0).any())
@@ -296,9 +296,9 @@ def iterate(
             if correction == 0:
                 ahead = predicted(joints, known, reach_f, reach_g)
                 centre = (ahead / (4.0 * c * mean)) ** 3 if mean > 0.0 else 0.0
-                waits = max(force, counted * gap)
-                if waits > product:
-                    centre = max(centre, CENTRED if product > BEHIND * waits else 1.0)
+                infeasible = max(force, counted * gap)
+                if infeasible > product:
+                    centre = max(centre, CENTRED if product > BEHIND * infeasible else 1.0)
                 target = centre * mean
                 enough = max(ROUNDING * max(force_off, accepted * weight), ROUNDED * weight)
             elif correction == 1:
