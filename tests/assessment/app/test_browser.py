@@ -182,6 +182,7 @@ def test_from_a_dropped_survey_to_the_report(page, home):
     changed(page, lambda: file.write_bytes(b'scatter = 1\naccuracy = "fast"\n' + file.read_bytes()))
     page.click("[data-step=push]")
     changed(page, lambda: page.click("[data-at='pushover.directions.+x']"))
+    page.wait_for_selector("body[data-model=shown]")  # the form is drawn again until then
     fill(page, "pushover.increment_m", "0,00001")
     page.wait_for_selector("#run:not([disabled])")
     page.click("#run")
