@@ -20,10 +20,8 @@ from assessment.ntc.hazard import HazardCurve
 from assessment.ntc.tables import farthest
 from assessment.ntc.verification import THRUSTING_A_G, Method, verify, vertical_component
 from assessment.project.project import Project
+from assessment.results.schema import Capacity, Direction, finite, known, static
 from assessment.results.schema import checks as parts
-from assessment.results.schema import static
-from assessment.results.schema.checks import Capacity, Direction
-from assessment.results.schema.part import finite, known
 from assessment.results.schema.static import ElasticPush, LocalLoss, OtherLaw, Pushovers, RigidPush
 from assessment.results.table import sense
 from mechanics import Assembly

@@ -16,9 +16,7 @@ import numpy as np
 from assessment.analyses.capacity import Assessed, refused, towards
 from assessment.analyses.found import Found, in_increments
 from assessment.analyses.states import Request, StateResult, analyse_states, curves
-from assessment.results.schema import StateResults
-from assessment.results.schema.checks import Check, Direction
-from assessment.results.schema.part import Part, known
+from assessment.results.schema import Check, Direction, Part, StateResults, known
 from assessment.results.schema.static import Behaviour, ElasticPush, Pushovers, RigidPush
 from assessment.results.table import cells, indices
 from assessment.runtime.tasks import Workers

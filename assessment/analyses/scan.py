@@ -29,8 +29,7 @@ import numpy as np
 from assessment.analyses.fragility import Observed, observed
 from assessment.analyses.histories import Scatter, Track, enough, lowest_median_highest
 from assessment.analyses.time_history import Shaking, respond, thinned
-from assessment.results.schema.dynamic import Counts, Level, MemberCurve
-from assessment.results.schema.part import present
+from assessment.results.schema import Counts, Level, MemberCurve, present
 from mechanics import ConvergenceError
 from mechanics.messages import Message, message
 from mechanics.progress import stretch

@@ -14,11 +14,8 @@ from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL, ControlTable, MotionTable, StatesTable
 from assessment.results.frames import snapshots, while_shaken
+from assessment.results.schema import ConvergenceRow, Pushovers, QualityRow, known, present
 from assessment.results.schema.dynamic import AppliedRecord, Counts, Course, EnergyBalance, History
-from assessment.results.schema.model import QualityRow
-from assessment.results.schema.part import known, present
-from assessment.results.schema.static import Pushovers
-from assessment.results.schema.studies import ConvergenceRow
 from assessment.runtime.tasks import Workers
 from mechanics import Assembly, ConvergenceError, State, TimeHistory, time_history
 from mechanics.messages import Message, headed, linked, message

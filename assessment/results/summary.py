@@ -7,9 +7,7 @@ from typing import Any
 
 from assessment.ntc.tables import INDEXED, SURFACE, farthest
 from assessment.results import schema
-from assessment.results.schema.checks import CHECKS, Capacity, Direction
-from assessment.results.schema.part import Part
-from assessment.results.schema.static import Mechanism, OtherLaw, Pushovers
+from assessment.results.schema import CHECKS, Capacity, Direction, Mechanism, OtherLaw, Part, Pushovers
 from assessment.results.schema.studies import Explanation, FittedMovement, Identification, ReadySettlement
 from assessment.results.table import ORIGINAL, reduction, static_pga
 from mechanics.messages import layer_key

@@ -6,10 +6,9 @@ from functools import cache
 from typing import Any, get_type_hints
 
 from assessment.ntc.tables import INDEXED, ROCK, SURFACE, farthest
-from assessment.results.schema import Results, SummaryRow
+from assessment.results.schema import Capacities, Results, Scenarios, SummaryRow
 from assessment.results.schema.checks import Capacity, Check, ComparisonRow
 from assessment.results.schema.part import QUANTITIES, Part, enter, key, plain_value
-from assessment.results.schema.studies import Capacities, Scenarios
 
 ORIGINAL = "original"
 Row = dict[str, Any]

@@ -17,8 +17,7 @@ from assessment.ntc.floor_spectrum import Spectrum
 from assessment.ntc.tables import farthest
 from assessment.project.motions import BaseMotion, motion_of
 from assessment.project.project import Project
-from assessment.project.schema import ORIGINAL, CampaignTable
-from assessment.project.schema.motions import GENERATED_STEP
+from assessment.project.schema import GENERATED_STEP, ORIGINAL, CampaignTable
 from assessment.results.schema import Direction, Pushovers, dynamic, known
 from assessment.results.table import cells, compared, reduction, weaker
 from assessment.studies import variants

@@ -20,12 +20,9 @@ from assessment.project.plausibility import implausible_hazard
 from assessment.project.project import Project, load_project, spelt
 from assessment.project.schema import ORIGINAL, MotionTable, SensitivityTable, StatesTable
 from assessment.results.joint_states import described
-from assessment.results.schema import FORMAT, Results, StateResults
+from assessment.results.schema import FORMAT, Convergence, Incremental, Results, StateResults, finite, present
 from assessment.results.schema import model as parts
-from assessment.results.schema.dynamic import Incremental
-from assessment.results.schema.part import finite, present
 from assessment.results.schema.static import Settlement, Strengthening
-from assessment.results.schema.studies import Convergence
 from assessment.results.summary import EMPTY
 from assessment.runtime.cache import installed
 from assessment.runtime.pool import cores

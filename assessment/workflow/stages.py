@@ -22,11 +22,7 @@ from assessment.project.model import ProjectModel, StateModel
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL
 from assessment.report.chapters.judgement import told
-from assessment.results.schema import Results, StateResults
-from assessment.results.schema.checks import Direction
-from assessment.results.schema.model import QualityRow
-from assessment.results.schema.part import present
-from assessment.results.schema.static import Pushovers
+from assessment.results.schema import Direction, Pushovers, QualityRow, Results, StateResults, present
 from assessment.results.schema.studies import ConvergenceRow
 from assessment.results.summary import summary_of, without
 from assessment.results.table import comparison

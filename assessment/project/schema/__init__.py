@@ -29,12 +29,8 @@ class ReportTable(ProjectTable):
     location: kinds.Text = entry("location, free text of the title page", "")
     municipality: kinds.Text = entry("municipality, free text of the title page", "")
     cadastre: kinds.Text = entry("land register, free text of the title page", "")
-    protection: kinds.Text = entry(
-        "decree that lists the building (D.Lgs. 42/2004); NTC 2018, §8.4, is then told of it", ""
-    )
-    use: kinds.Text = entry(
-        "use of the building; schools and dwellings have thresholds and classes of their own", ""
-    )
+    protection: kinds.Text = entry("decree that lists the building (D.Lgs. 42/2004; NTC 2018, §8.4)", "")
+    use: kinds.Text = entry("use of the building; schools have a threshold, dwellings classes", "")
     revision: kinds.Text = entry("revision, free text of the title page", "")
     date: kinds.Text = entry("date, free text of the title page; empty: a line to write on", "")
     annexes: Literal["short", "full"] = entry(
@@ -65,41 +61,25 @@ class ProjectContent(ProjectTable):
     layers: Annotated[dict[kinds.Name, LayerTable], Field(max_length=MOST_LAYERS), DISTINCT] = entry(
         "what the blocks of a layer have of their own", {}
     )
-    region: Annotated[tuple[RegionTable, ...], TABLES, DISTINCT] = entry(
-        "parts of the drawing whose blocks have something of their own", ()
-    )
+    region: Named[RegionTable] = entry("parts of the drawing whose blocks have something of their own", ())
     contacts: ContactsTable = entry("how joints slide, and which blocks may touch", ContactsTable())
-    control: Annotated[tuple[ControlTable, ...], TABLES, DISTINCT] = entry(
-        "control points; the first one is the default", ()
-    )
-    settlements: Annotated[tuple[SettlementTable, ...], TABLES, DISTINCT] = entry(
-        "support movements to review, each one a state", ()
-    )
-    tie: Annotated[tuple[TieTable, ...], TABLES, DISTINCT] = entry(
-        "tie rods between two points of blocks or supports", ()
-    )
-    strengthening: Annotated[tuple[StrengtheningTable, ...], TABLES, DISTINCT] = entry(
+    control: Named[ControlTable] = entry("control points; the first one is the default", ())
+    settlements: Named[SettlementTable] = entry("support movements to review, each one a state", ())
+    tie: Named[TieTable] = entry("tie rods between two points of blocks or supports", ())
+    strengthening: Named[StrengtheningTable] = entry(
         "strengthened states: ties that are set, and layers changed, after a movement", ()
     )
     pushover: PushoverTable | None = absent("pushover analysis")
-    history: Annotated[tuple[HistoryTable, ...], TABLES, DISTINCT] = entry(
-        "time histories, one per record and state", ()
-    )
+    history: Named[HistoryTable] = entry("time histories, one per record and state", ())
     incremental: IncrementalTable | None = absent("incremental dynamic analysis")
     campaign: CampaignTable | None = absent("fragility and loss of capacity against movement")
     assessment: AssessmentTable | None = absent("check against the standard")
     mechanism: Annotated[tuple[MechanismTable, ...], TABLES] = entry(
         "mechanisms chosen by the user, one entry per macro-block", ()
     )
-    sensitivity: SensitivityTable | None = absent(
-        "capacity with properties of the masonry lower and higher, one at a time"
-    )
-    identification: IdentificationTable | None = absent(
-        "the support movement that explains what was measured"
-    )
-    measurement: Annotated[tuple[MeasurementTable, ...], TABLES, DISTINCT] = entry(
-        "what was measured: cracks, slips, leans, relative displacements", ()
-    )
+    sensitivity: SensitivityTable | None = absent("capacity with properties lower and higher, one at a time")
+    identification: IdentificationTable | None = absent("support movement that explains what was measured")
+    measurement: Named[MeasurementTable] = entry("what was measured: cracks, slips, leans, displacements", ())
     report: ReportTable = entry("language and title page of the report", ReportTable())
 
     @property

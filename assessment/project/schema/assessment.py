@@ -53,9 +53,7 @@ class SiteTable(ProjectTable):
     SLV: HazardTable | None = absent("hazard at SLV, instead of coordinates")
     SLC: HazardTable | None = absent("hazard at SLC, instead of coordinates")
     soil: Literal["A", "B", "C", "D", "E"] = entry("ground type A to E, NTC 2018 Tab. 3.2.II")
-    topography: Literal["T1", "T2", "T3", "T4"] = entry(
-        "topographic class T1 to T4, NTC 2018 Tab. 3.2.III", "T1"
-    )
+    topography: Literal["T1", "T2", "T3", "T4"] = entry("topography T1 to T4, NTC 2018 Tab. 3.2.III", "T1")
     nominal_life_years: Annotated[float, Field(ge=1, le=1e4)] = entry("nominal life V_N, years", 50.0)
     use_class: Literal["I", "II", "III", "IV"] = entry("use class I to IV, NTC 2018 §2.4.2", "II")
 
@@ -99,9 +97,7 @@ class FloorTable(ProjectTable):
     period_s: kinds.Period | None = absent(
         "period T_1 of the building's first mode, s; default 0.05 H^(3/4), C7.3.3.2, H up to 40 m"
     )
-    damping_ratio: Annotated[float, Field(ge=1e-3, le=0.3)] = entry(
-        "viscous damping ratio of the building's modes", 0.05
-    )
+    damping_ratio: Annotated[float, Field(ge=1e-3, le=0.3)] = entry("damping of the building's modes", 0.05)
     higher_periods_s: Annotated[tuple[kinds.Period, ...], Field(strict=False, max_length=100)] = entry(
         "periods T_k of further modes, s", ()
     )
@@ -132,16 +128,12 @@ class KnowledgeTable(ProjectTable):
 
     model_config = ConfigDict(json_schema_extra={"minProperties": 1})
 
-    level: Literal["LC1", "LC2", "LC3"] | None = absent(
-        "level of knowledge, Circolare 7/2019, C8.5.4: F_C 1.35, 1.20 or 1.00"
-    )
+    level: Literal["LC1", "LC2", "LC3"] | None = absent("Circolare 7/2019, C8.5.4: F_C 1.35, 1.20, 1.00")
     geometry: Component | None = absent("F_C1 of DPCM 9/2/2011: geometrical survey, 0.05 or 0.0")
     construction: Component | None = absent("F_C2: survey of materials and details, 0.12, 0.06 or 0.0")
     mechanical: Component | None = absent("F_C3: mechanical properties, 0.12, 0.06 or 0.0")
     ground: Component | None = absent("F_C4: ground and foundations, 0.06, 0.03 or 0.0")
-    evaluation: Literal["LV1", "LV2", "LV3"] | None = absent(
-        "level of evaluation of DPCM 9/2/2011: LV1, LV2 or LV3"
-    )
+    evaluation: Literal["LV1", "LV2", "LV3"] | None = absent("level of evaluation, DPCM 9/2/2011: LV1–3")
     investigations: kinds.Text = entry("investigations carried out, printed in the report", "")
     geometry_origin: kinds.Text = entry("survey of the geometry: by whom, when, how", "")
     construction_origin: kinds.Text = entry("survey of materials and details of construction", "")
@@ -189,15 +181,11 @@ class AssessmentTable(ProjectTable):
 
     limit_states: kinds.LimitStates = entry("limit states to check", ("SLD", "SLV", "SLC"))
     confidence_factor: Annotated[float, Field(ge=1, le=10)] = entry("confidence factor F_C", 1.35)
-    behaviour_factor: Annotated[float, Field(ge=1, le=100)] = entry(
-        "behaviour factor q of the linear check", 2.0
-    )
+    behaviour_factor: Annotated[float, Field(ge=1, le=100)] = entry("factor q of the linear check", 2.0)
     model: Literal["trilinear", "bilinear", "none"] = entry(
         "capacity curve: trilinear (as in the paper), bilinear or none (rigid branch)", "trilinear"
     )
-    spectrum: Literal["ntc", "record"] = entry(
-        "demand: ntc, or record (the [[history]] record's own spectrum)", "ntc"
-    )
+    spectrum: Literal["ntc", "record"] = entry("demand: ntc, or the [[history]] record", "ntc")
     method: Literal["demand-shape", "grid"] = entry(
         "capacity a_g by scaling the demand spectrum, or by return period iterated on the grid",
         "demand-shape",
@@ -210,9 +198,7 @@ class AssessmentTable(ProjectTable):
     local_displacement_limit_m: kinds.Length | None = absent(
         "displacement of the control point, m, at a local loss such as a beam unseating"
     )
-    local_displacement_reason: kinds.Text = entry(
-        "what is lost there and how it was found, printed with the limit", ""
-    )
+    local_displacement_reason: kinds.Text = entry("what is lost there, how it was found; printed", "")
     knowledge: KnowledgeTable | None = absent("what confidence_factor follows from, printed with its origins")
     floor: FloorTable | None = absent("building below a mechanism at height; absent: at the ground")
     site: SiteTable | None = absent("site, ground and use; needed by the ntc spectrum")
@@ -240,9 +226,7 @@ class MechanismTable(ProjectTable):
 
     name: kinds.Name = entry("name of the mechanism; each of its macro-blocks is an entry with this name")
     about_m: kinds.Pair = entry("x and z, m, of the point about which the macro-block rotates")
-    rotation: kinds.Ratio = entry(
-        "virtual rotation, anticlockwise positive, relative to the other macro-blocks", -1.0
-    )
+    rotation: kinds.Ratio = entry("virtual rotation, anticlockwise, relative to the other macro-blocks", -1.0)
     layers: kinds.Names | None = absent("layers of the macro-block; default all, where a region is given")
     region_m: Corners | None = absent(
         "x and z, m, of two opposite corners of a box, or of the corners of a polygon: the movable "

@@ -41,9 +41,7 @@ class MotionTable(ProjectTable):
         "auto",
     )
     damping_ratio: kinds.Damping | None = absent("viscous damping ratio of the contacts")
-    control: Annotated[kinds.Name | None, NameOf("control point")] = absent(
-        "control point; default the first"
-    )
+    control: Annotated[kinds.Name | None, NameOf("control point")] = absent("control point; default: first")
 
     def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
         """Yield a window that is no stretch of time."""
@@ -76,9 +74,7 @@ class HistoryTable(StatesTable):
     )
     name: kinds.Name | None = absent("name in tables and figures; default the record's file name")
     scale: kinds.Ratio = entry("factor on the accelerations, vertical too; not zero; negative: reversed", 1.0)
-    vertical_record: Annotated[kinds.Name | None, FileName()] = absent(
-        "file of the vertical ground acceleration"
-    )
+    vertical_record: Annotated[kinds.Name | None, FileName()] = absent("file of the vertical acceleration")
 
     def contradictions(self, project: ProjectContent) -> Iterator[Contradiction]:
         """Yield a scale that leaves no motion."""
@@ -103,9 +99,7 @@ class CampaignTable(SetTable):
         'record files, patterns such as "records/*.acc" are expanded; or "generate:7": so many records '
         "made to the spectrum of the site"
     )
-    settlements: Annotated[kinds.Names | None, NameOf("settlement")] = absent(
-        "names of settlements; default all"
-    )
+    settlements: Annotated[kinds.Names | None, NameOf("settlement")] = absent("settlements; default all")
     shares: kinds.Shares = entry("parts of each movement, 0 to 1", (0.0, 0.25, 0.5, 0.75, 1.0))
     signs: kinds.Signs = entry("factors on each record: 1, -1 or both", (1, -1))
     measure: Literal["PGA", "Sa(T)"] = entry(
@@ -117,12 +111,8 @@ class CampaignTable(SetTable):
         "incremental",
     )
     levels_g: kinds.Levels | None = absent("levels of the stripes, g, of the measure")
-    tolerance: Annotated[float, Field(ge=1e-3, le=0.5)] = entry(
-        "tolerance of the level at collapse, relative to it", 0.05
-    )
-    spectrum_compatible: bool = entry(
-        "scale each record to the spectrum of the site between periods_s", False
-    )
+    tolerance: Annotated[float, Field(ge=1e-3, le=0.5)] = entry("of the level at collapse, relative", 0.05)
+    spectrum_compatible: bool = entry("scale records to the spectrum of the site between periods_s", False)
     periods_s: kinds.Periods = entry("first and last period of that spectrum, s", (0.15, 2.0))
     scale_limits: kinds.Factors = entry("least and largest factor of that scaling", (0.5, 2.0))
     curve_members: kinds.MemberNumbers | None = absent(
@@ -188,9 +178,7 @@ class SensitivityTable(ProjectTable):
     """[sensitivity]: the capacity a_g again, with one property of the masonry lower and higher at a time."""
 
     friction: kinds.Factors | None = absent("low and high factor on every friction, such as [0.8, 1.2]")
-    stiffness: kinds.Factors | None = absent(
-        "low and high factor on every joint stiffness, normal and tangential"
-    )
+    stiffness: kinds.Factors | None = absent("low and high factor on every stiffness, normal and tangential")
     unit_weight: kinds.Factors | None = absent("low and high factor on every unit weight")
     depth: kinds.Factors | None = absent("low and high factor on every out-of-plane depth")
     states: Annotated[kinds.Names | None, NameOf("state")] = absent(
@@ -260,9 +248,7 @@ class MeasurementTable(ProjectTable):
         "crack: opening of a joint; slip: of a joint, without sign; lean: rotation of a block; relative: "
         "displacement of a point less that of another one"
     )
-    point_m: kinds.Pair = entry(
-        "x and z, m, as drawn: at the edge of the joint where it was measured, or in the block"
-    )
+    point_m: kinds.Pair = entry("x and z, m, as drawn: at the edge of the measured joint, or in the block")
     from_m: kinds.Pair | Literal["benchmark"] | None = absent(
         'of relative: the other point, in a block, or "benchmark": ground that does not move'
     )

@@ -32,12 +32,8 @@ class GeometryTable(ProjectTable):
         "absent: elastic joints are exact; a number: the contact points of the paper at the ends of so "
         "many segments of each joint, for comparison"
     )
-    tolerance_m: kinds.Drawn | None = absent(
-        "edges closer than this, m, form a joint; default from the drawing's size"
-    )
-    sagitta_m: kinds.Drawn | None = absent(
-        "largest distance, m, between a drawn arc and its chords; default from its size"
-    )
+    tolerance_m: kinds.Drawn | None = absent("edges closer than this, m, form a joint; default from the size")
+    sagitta_m: kinds.Drawn | None = absent("largest distance, m, of an arc from its chords; default by size")
 
 
 class MaterialTable(ProjectTable):
@@ -61,9 +57,7 @@ class BondTable(ProjectTable):
 
     pattern: Literal["running"] = entry("running: courses, each shifted by half a block", "running")
     # bounds of masonry in m: written in cm or mm a wall would be one block
-    course_m: Annotated[float, Field(ge=1e-6, le=3)] = entry(
-        "height of a course, m, adapted to whole numbers of them"
-    )
+    course_m: Annotated[float, Field(ge=1e-6, le=3)] = entry("height of a course, m, adapted to the wall")
     block_m: Annotated[float, Field(ge=1e-6, le=5)] = entry("length of a block, m, adapted likewise")
 
 
@@ -77,23 +71,13 @@ class LayerTable(ProjectTable):
     )
     unit_weight_kN_m3: kinds.UnitWeight | None = absent("unit weight, kN/m³, instead of [material]'s")
     friction: kinds.Friction | None = absent("tangent of friction angle, instead of [material]'s")
-    normal_stiffness_kN_m3: kinds.Stiffness | None = absent(
-        "normal stiffness, kN/m³, instead of [material]'s"
-    )
-    tangential_stiffness_kN_m3: kinds.Rigidity | None = absent(
-        "tangential stiffness, kN/m³, instead of [material]'s"
-    )
-    compressive_strength_kN_m2: kinds.Strength | None = absent(
-        "compressive strength, kN/m², instead of [material]'s"
-    )
+    normal_stiffness_kN_m3: kinds.Stiffness | None = absent("normal stiffness, kN/m³, not [material]'s")
+    tangential_stiffness_kN_m3: kinds.Rigidity | None = absent("shear stiffness, kN/m³, not [material]'s")
+    compressive_strength_kN_m2: kinds.Strength | None = absent("strength, kN/m², not [material]'s")
     depth_m: kinds.Length | None = absent("out-of-plane depth, m, instead of [geometry]'s")
-    segments_per_joint: kinds.Segments | None = absent(
-        "segments of each joint with contact points, instead of [geometry]'s"
-    )
+    segments_per_joint: kinds.Segments | None = absent("segments of each joint, instead of [geometry]'s")
     support: kinds.Name | None = absent("the blocks of this layer are a support of this name")
-    vertical_load_kN: kinds.Load = entry(
-        "permanent load G on each block of the layer, kN, downward, at its centroid", 0.0
-    )
+    vertical_load_kN: kinds.Load = entry("permanent load G on each block, kN, downward, at its centroid", 0.0)
     variable_load_kN: Annotated[float, Field(ge=0, le=1e9)] = entry(
         "characteristic variable load Q on each block, kN; ψ₂ Q acts with the permanent one", 0.0
     )
@@ -246,9 +230,7 @@ class TieTable(ProjectTable):
         "plate, the least; inf (default): none",
         math.inf,
     )
-    stiffness_kN_m: kinds.BarStiffness | None = absent(
-        "stiffness E A / L of the whole tie, kN/m; absent: rigid"
-    )
+    stiffness_kN_m: kinds.BarStiffness | None = absent("E A/L of the whole tie, kN/m; absent: rigid")
     pretension_kN: kinds.Tension = entry("tension, kN, when it is set; counts in elastic analyses only", 0.0)
     ultimate_elongation: kinds.Elongation = entry(
         "share of its length by which it yields before it breaks: the capacity ends there; inf: it does not break",

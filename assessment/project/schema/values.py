@@ -64,6 +64,7 @@ DISTINCT = "distinct"
 ORIGINAL = "original"  # name of the state before any settlement
 
 Entry = TypeVar("Entry", str, float, int)
+Table = TypeVar("Table", bound="ProjectTable")
 
 # Nothing invisible: what cannot be seen in an editor or held by a spreadsheet cell is a typing slip.
 _UNSEEN = r"\x00-\x08\x0b-\x1f\x7f-\x9f\u200b\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ufffe\uffff"
@@ -127,6 +128,7 @@ Name = Annotated[str, Field(max_length=200, pattern=rf"^[^\s{_UNSEEN}]([^\t\n{_U
 Text = Annotated[str, StringConstraints(strip_whitespace=True, max_length=2000, pattern=rf"^[^{_UNSEEN}]*$")]
 ENTRIES = Field(strict=False, min_length=1, max_length=MOST_ENTRIES, json_schema_extra={"uniqueItems": True})
 TABLES = Field(strict=False, max_length=MOST_ENTRIES)
+Named = Annotated[tuple[Table, ...], TABLES, DISTINCT]
 Names = Annotated[tuple[Name, ...], ENTRIES, AfterValidator(unique)]
 Series = Annotated[tuple[Name, ...], Field(strict=False, min_length=1, max_length=MOST_ENTRIES)]
 Behaviour = Literal["rigid", "elastic"]

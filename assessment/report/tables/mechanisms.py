@@ -17,10 +17,8 @@ from assessment.results.frames import tie_ends, ties_of
 from assessment.results.hand_check import macro_blocks, rigid_push
 from assessment.results.hand_check import mechanisms as found_mechanisms
 from assessment.results.joint_states import Situation, joint_states, loaded, situations
-from assessment.results.schema import Results
-from assessment.results.schema.checks import Capacity, Direction, GivenMechanism
+from assessment.results.schema import Capacity, Direction, GivenMechanism, Results, RigidPush
 from assessment.results.schema.part import Configuration, known, present
-from assessment.results.schema.static import RigidPush
 from assessment.results.table import Row, cells, sense
 from mechanics.types import Array
 

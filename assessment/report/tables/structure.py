@@ -16,10 +16,8 @@ from assessment.report.language import Words
 from assessment.report.tables import Curves, Found, curves, moves, pushes, table, without
 from assessment.results.hand_check import block_size, outline_area
 from assessment.results.joint_states import faces_of, joint_states, loaded
-from assessment.results.schema import Point, Results, SummaryRow
-from assessment.results.schema.checks import Direction
+from assessment.results.schema import Direction, Point, Results, SummaryRow, named, present
 from assessment.results.schema.model import WORST, DrawnBlock, LayerLoads
-from assessment.results.schema.part import named, present
 from assessment.results.schema.static import Behaviour, TieTension
 from assessment.results.summary import material, taken_to_collapse
 from assessment.results.table import Row, Table, cells, columns_of, reduction

@@ -30,12 +30,8 @@ class SummaryCheck(Part):
     zeta_E_range: list[float | None] | None = optional("least and largest of an ensemble")
     verified: bool | None = key("whether it is 1 or more; null: not determined, or below 1 within its range")
     loss: float | None = optional("of a settled state: 1 − ζ_E/ζ_E(original), both by this check")
-    gain: float | None = optional(
-        "of a strengthened state: ζ_E/ζ_E(before) − 1, likewise", "Incremento|Increase", change=True
-    )
-    distinguishable: bool | None = optional(
-        "with `loss`: whether the ranges of ζ_E before and after are apart"
-    )
+    gain: float | None = optional("strengthened: ζ_E/ζ_E(before) − 1", "Incremento|Increase", change=True)
+    distinguishable: bool | None = optional("whether the ranges of ζ_E before and after `loss` are apart")
 
 
 class SummaryMechanism(Count):

@@ -30,9 +30,7 @@ class Check(MassShares):
     T_s: float | None = key("period that counts; null: not defined", "T", null="not_determined")
     a_g_g: float | None = key("capacity a_g; null: not defined, `notes` say why", "a_g", ground="rock")
     demand_a_g_g: float = key("demand a_g", "a_g di domanda|a_g demanded", ground="rock")
-    demand_a_star_g: float | None = optional(
-        "of a linear check: a_g S/q, or a_Z/q at height", "a_D di domanda|a_D demanded"
-    )
+    demand_a_star_g: float | None = optional("a_g S/q, at height a_Z/q", "a_D di domanda|a_D demanded")
     alpha_0: float | None = optional("of a linear check: multiplier that activates the first mechanism")
     pga_g: float | None = optional("capacity, S a_g", "PGA", null="not_determined", ground="surface")
     demand_pga_g: float | None = optional(
@@ -42,7 +40,7 @@ class Check(MassShares):
     demand_S: float | None = optional("the same, of the demand")
     reference: str | None = optional("of a_g: rock (category A, without S), or surface for a record")
     zeta_E: float | None = key(
-        "ratio of a_g S borne to that demanded: the index ζ_E at SLV and SLC, a ratio at SLO and SLD",
+        "a_g S borne over that demanded: ζ_E at SLV and SLC, a ratio at SLO and SLD",
         "ζ_E",
         ratio=True,
     )
@@ -214,9 +212,7 @@ class ComparisonRow(Part):
         "1 − PGA(settled)/PGA(original) of it", "Riduzione statica|Reduction, static", change=True
     )
     dynamic_pga_g: float | None = key("PGA at its collapse", "PGA dinamica|PGA, dynamic", ground="surface")
-    dynamic_reduction: float | None = key(
-        "1 − PGA(settled)/PGA(original)", "Riduzione dinamica|Reduction, dynamic", change=True
-    )
+    dynamic_reduction: float | None = key("likewise", "Riduzione dinamica|Reduction, dynamic", change=True)
 
 
 class Multipliers(Part):
@@ -240,7 +236,7 @@ class RiskIndices(Part):
     PAM: float | None = key("expected annual loss, a share (DM 58/2017); null: not known", "PAM", change=True)
     PAM_class: str | None = key("its class, A+ to G", "Classe PAM|PAM class")
     risk_class: str | None = key(
-        "the worse of the two classes; null: PAM is not known",
+        "the worse of both; null: PAM not known",
         "Classe di rischio|Risk class",
         null="not_determined",
     )
@@ -255,9 +251,7 @@ class Indices(RiskIndices):
     zeta_SLV: float = key("ζ_E at SLV (NTC 2018, §8.3): the headline", "ζ_E SLV", ratio=True)
     zeta_SLC: float | None = key("least at SLC; null: not checked", "Rapporto SLC|Ratio SLC", ratio=True)
     ratio_SLD: float | None = key("least at SLD; null: not checked", "Rapporto SLD|Ratio SLD", ratio=True)
-    T_SLV_years: float | None = key(
-        "return period of the capacity at SLV; null: not known", "T_SLV", null="not_determined"
-    )
+    T_SLV_years: float | None = key("return period at SLV; null: not known", "T_SLV", null="not_determined")
     T_SLV_stated: str | None = key('"> 2475" or "< 30" beyond the hazard')
     T_R_SLV_years: float | None = key("return period of the demand at SLV; null: not known", "T_R,SLV")
     use_class: str = key("use class of the project file", "Classe d’uso|Use class")

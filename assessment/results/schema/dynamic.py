@@ -65,12 +65,8 @@ class EnergyBalance(Part):
 class Peaks(Part):
     """How far the control point goes, either way, and how it ends: of a motion, or the worst of several."""
 
-    peak_displacement_m: float | None = key(
-        "largest displacement; null: a collapse", "Picco|Peak", shown="mm"
-    )
-    residual_displacement_m: float | None = key(
-        "displacement at the end; null: a collapse", "Alla fine|At the end", shown="mm"
-    )
+    peak_displacement_m: float | None = key("largest one; null: a collapse", "Picco|Peak", shown="mm")
+    residual_displacement_m: float | None = key("null: a collapse", "Alla fine|At the end", shown="mm")
     time_of_collapse_s: float | None = key(
         "in the record, of the first to collapse; null: it stands", "t di collasso|t of collapse"
     )
@@ -119,9 +115,7 @@ class History(OfBaseMotion, Peaks):
     energy: EnergyBalance | None = optional("its energies")
     integrator_chosen: str | None = optional("why that integrator")
     integrator_share: float | None = optional(
-        "what the integrator took, over the energy turned over",
-        "Quota integraz.|Integrator’s share",
-        shown="%",
+        "what the integrator took of the energy turned over", "Quota integraz.|Integrator’s share", shown="%"
     )
     steps: int | None = optional("time steps")
     skipped: int | None = optional("of these, at rest and not computed")
@@ -193,7 +187,7 @@ class Scanned(OfRecord):
         ground="surface",
     )
     pga_safe_g: float | None = key(
-        "largest level run below at which it stands; null: not completed",
+        "largest level below that stands; null: not completed",
         "PGA sopportata|Withstood",
         ground="surface",
     )
@@ -265,9 +259,7 @@ class Fragility(Part):
     level_84_g: float | None = key("level of which 84 % collapse")
     median_range: Range | None = key("95 % of the bootstrap; null: fewer than three records", unit="g")
     beta_range: Range | None = key("95 % of the bootstrap; null: fewer than three records")
-    band: list[list[float]] = key(
-        "probability, and the 95 % bounds of the level that has it; empty: few records", unit="–, g"
-    )
+    band: list[list[float]] = key("probability, 95 % bounds of its level; empty: few records", unit="–, g")
     measures: list[MeasureFit] = key("the same levels by other measures of the records; of stripes none")
     rule: str | None = key(
         "NTC 2018, §7.3.5: the mean of seven records or more, the lowest of three to six; null: fewer, or "
@@ -286,11 +278,9 @@ class Loss(Part):
     """1 − level at collapse after / before: the median over records and signs, of the 50 % level of each."""
 
     dynamic: float | None = key(
-        "median of the 50 % levels, of both signs, or of that which loses; null: not known"
+        "of the 50 % levels, median of both signs or of the losing one; null: not known"
     )
-    dynamic_range: Range = key(
-        "95 % of the bootstrap, with what levels are known to, of few records this alone"
-    )
+    dynamic_range: Range = key("95 % of the bootstrap, and of what levels are known to; this alone of few")
     distinguishable: bool | None = key(
         "whether zero lies outside; null: no range, or few records", "Da una perdita nulla|From no loss"
     )

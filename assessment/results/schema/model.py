@@ -13,9 +13,7 @@ class DrawnTie(Part):
     end_m: Point = key("the other end: x, z")
     blocks: list[int] = key("numbers of the blocks that hold its ends")
     yield_force_kN: float | None = key(
-        "tension at which it lengthens without bearing more; null: none",
-        "Tiro di snervamento|Yield force",
-        null="none",
+        "tension at which it lengthens at no more; null: none", "Tiro di snervamento|Yield force", null="none"
     )
     stiffness_kN_m: float | None = key("of the whole tie; null: rigid", "Rigidezza|Stiffness", null="none")
     pretension_kN: float = key("tension when it is set", "Pretensione|Pretension")
@@ -87,9 +85,7 @@ class Face(Part):
     faces_m: list[list[Point]] = key("start and end of the face of either block, as drawn: x, z")
     friction: float | None = key("coefficient of friction; null: it does not slide", "Attrito|Friction")
     depth_m: float = key("depth out of plane, the lesser of the two")
-    compressive_strength_kN_m2: float | None = key(
-        "strength; null: it does not crush", "Resistenza|Strength", shown="MPa"
-    )
+    compressive_strength_kN_m2: float | None = key("null: no limit", "Resistenza|Strength", shown="MPa")
 
 
 class Joint(Face):
@@ -153,15 +149,11 @@ class Certificates(Part):
     worst_equilibrium_residual: float | None = optional(
         "largest unbalanced force, per weight", "Equilibrio|Equilibrium", digits=2
     )
-    worst_penetration_m: float | None = optional(
-        "deepest of two blocks", "Compenetr.|Penetration", shown="mm"
-    )
+    worst_penetration_m: float | None = optional("deepest of blocks", "Compenetr.|Penetration", shown="mm")
     worst_complementarity: float | None = optional(
         "largest contact force times its gap, per weight and step", "Complem.", digits=2
     )
-    worst_cone_violation: float | None = optional(
-        "force out of the cone, per weight", "Attrito|Friction", digits=2
-    )
+    worst_cone_violation: float | None = optional("out of the cone, per weight", "Attrito|Friction", digits=2)
 
 
 WORST = tuple(name for name in Certificates.model_fields if name.startswith("worst_"))

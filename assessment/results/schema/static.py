@@ -20,11 +20,7 @@ class TiePull(Part):
     """The tension of a tie, along a path or while the base moves."""
 
     tie: str = key("name of the tie", "Catena|Tie")
-    greatest_kN: float | None = key(
-        "greatest tension, where determined; null: rigid joints do not determine it",
-        "Massimo|Greatest",
-        null="none",
-    )
+    greatest_kN: float | None = key("null: rigid joints do not determine it", "Massimo|Greatest", null="none")
     yields: bool = key("whether it reaches the yield force", "Snervata|Yields")
     lengthening_m: float = key("by how much it yields", "Allungamento|Lengthening", shown="mm")
 
@@ -32,13 +28,9 @@ class TiePull(Part):
 class TieTension(TiePull):
     """`ties[]`: the tension of a tie along a path; rigid joints determine it where its blocks move apart or turn."""
 
-    rest_kN: float | None = key(
-        "where the path starts; null: rigid joints do not determine it", "In quiete|At rest", null="none"
-    )
+    rest_kN: float | None = key("where the path starts; null: likewise", "In quiete|At rest", null="none")
     peak_kN: float | None = key(
-        "where α_0 or α_u is reached, or the movement ends; null: not determined",
-        "A α_0, α_u|At α_0, α_u",
-        null="none",
+        "at α_0 or α_u, or where the movement ends; null: likewise", "A α_0, α_u|At α_0, α_u", null="none"
     )
 
 
@@ -138,9 +130,7 @@ class Mechanism(MassShares):
     hinge_points_m: list[Point] = key("x, z of each hinge in its configuration")
     sliding_joints: list[int] = key("numbers of the joints that slide")
     moving_weight_kN: float = key("weight of the blocks that move", "Peso in moto|Moving weight")
-    friction_work_kNm: float | None = key(
-        "work of friction in joints that slide; null: they lift, and it takes none"
-    )
+    friction_work_kNm: float | None = key("work of friction in joints that slide; null: they lift")
 
 
 class OtherLaw(Part):
@@ -188,9 +178,7 @@ class RigidPush(Push):
         "mechanism formed; null: Γ* is not defined"
     )
     lost: bool = key("whether equilibrium is lost before, where the capacity ends")
-    local_loss: LocalLoss | None = optional(
-        "the first joint or tie lost: limit of SLV and SLC where none is given"
-    )
+    local_loss: LocalLoss | None = optional("first joint or tie lost: limit of SLV, SLC where none is given")
     mechanism: Mechanism = key("the mechanism at its activation")
     onset: Mechanism | None = optional(
         "the mechanism that `alpha_onset` sets in motion, of which the linear checks are; missing: the same"

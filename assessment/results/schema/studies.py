@@ -19,13 +19,10 @@ class ConvergenceRow(Part):
     d_0_error_m: float | None = optional("of d_0", "Errore di d_0|Error of d_0", shown="mm", null="not_known")
     alpha_u_error: float | None = optional("of α_u", "Errore di α_u|Error of α_u", null="not_known")
     a_g_error_g: float | None = optional(
-        "estimated error of a_g at the farthest limit state",
-        "Errore di a_g|Error of a_g",
-        ground="rock",
-        null="not_known",
+        "of a_g at the farthest limit state", "Errore di a_g|Error of a_g", ground="rock", null="not_known"
     )
     peak_displacement_error_m: float | None = optional(
-        "estimated error of the peak", "Errore del massimo|Error of the peak", shown="mm", null="not_known"
+        "of the peak", "Errore del massimo|Error of the peak", shown="mm", null="not_known"
     )
     peak_displacement_scatter_m: float | None = optional(
         "how far the peaks of a pair are apart, where that is more than time steps differ",
@@ -41,11 +38,7 @@ class ConvergenceRow(Part):
     )
     order: float | None = optional("that the last levels show; null: none", "Ordine|Order", null="not_known")
     relative_error: float | None = optional(
-        "the largest error, relative; null: not known",
-        "Errore massimo|Largest error",
-        shown="%",
-        digits=2,
-        null="not_known",
+        "the largest, relative", "Errore massimo|Largest error", shown="%", digits=2, null="not_known"
     )
     relative_scatter: float | None = optional("relative", "Dispersione|Scatter", shown="%", null="not_known")
     met: bool = key("whether the tolerance is met", "Entro la tolleranza|Within tolerance")
