@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from assessment.analyses.found import as_part
-from assessment.ntc import floor_spectrum, risk
+from assessment.ntc import floor_spectrum, tables
 from assessment.ntc.floor_spectrum import Spectrum, ground_of
 from assessment.ntc.hazard import HazardCurve, HazardError, return_period_steps, site_curve
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
@@ -183,18 +183,18 @@ def state_indices(
     T_SLV = check.return_period_years
     a_g, demanded = known(check.a_g_g), check.demand_a_g_g
     made = as_part(
-        parts.Indices, risk.heritage_and_risk_indices(a_g, demanded, zeta, use_class, T_SLV, T_R, T_SLD),
+        parts.Indices, tables.heritage_and_risk_indices(a_g, demanded, zeta, use_class, T_SLV, T_R, T_SLD),
         direction=life.direction, check=life.limit_state, zeta_SLV=zeta, zeta_SLC=collapse.ratio if collapse else None,
         ratio_SLD=damage.ratio if damage else None, T_SLV_years=T_SLV,
         T_SLV_stated=check.return_period_stated, T_R_SLV_years=T_R, use_class=use_class,
-        required_zeta=risk.required_zeta(zeta, use_class),
+        required_zeta=tables.required_zeta(zeta, use_class),
     )  # fmt: skip
     if before is None:
         return made
     zeta_before = before.indices.zeta_SLV if before.indices else None
-    required = risk.required_zeta(zeta_before, use_class)
+    required = tables.required_zeta(zeta_before, use_class)
     return made.replace(
-        zeta_before=zeta_before, required_zeta=required, attained=risk.attained(zeta, required)
+        zeta_before=zeta_before, required_zeta=required, attained=tables.attained(zeta, required)
     )
 
 

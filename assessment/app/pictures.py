@@ -10,10 +10,9 @@ from pydantic import ValidationError
 
 from assessment.analyses.demand import demand_spectra
 from assessment.analyses.time_history import thinned
-from assessment.app.editing import model_tag
+from assessment.app.session import model_tag
 from assessment.ntc.hazard import HazardError, read_grid, read_site_table
-from assessment.project.catalogue.from_drawing import proposal
-from assessment.project.catalogue.new_project import new_folder
+from assessment.project.catalogue.new_project import new_folder, proposal
 from assessment.project.model import build_model, how_to_read, with_repaired_drawing
 from assessment.project.problems import project_error, schema_problems, wrong_file
 from assessment.project.project import load_project, survey_project

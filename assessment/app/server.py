@@ -31,8 +31,7 @@ from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Route
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from assessment.app.editing import OWN, ConflictError, Versions
-from assessment.app.session import Session, file_name
+from assessment.app.session import OWN, ConflictError, Session, Versions, file_name
 from assessment.app.worker import WorkerError
 from assessment.project.project import TOML, XLSX, json_schema, survey_project
 from assessment.project.project import convert as to_other_format

@@ -151,7 +151,7 @@ class Live:
 
     def _begun(self, folder: Path, tag: str, support: str, whole: bool) -> Following:
         """Return the structure as drawn, with the ties that are there as the support moves."""
-        from assessment.app.editing import model_tag
+        from assessment.app.session import model_tag
         from assessment.project.model import build_model
         from assessment.project.project import survey_project
         from assessment.project.schema import ORIGINAL

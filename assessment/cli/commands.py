@@ -164,9 +164,7 @@ def new(options: argparse.Namespace) -> int:
     elif options.example is not None:
         catalogue.new_example(options.folder, options.example, source)
     else:
-        from assessment.project.catalogue.from_drawing import new_from_drawing
-
-        for line in new_from_drawing(options.folder, options.drawing, source):
+        for line in catalogue.new_from_drawing(options.folder, options.drawing, source):
             say(line)
     say(f"wrote {options.folder}; next: assesto check {options.folder}")
     return DONE

@@ -40,9 +40,7 @@ class Check(MassShares):
     demand_S: float | None = optional("the same, of the demand")
     reference: str | None = optional("of a_g: rock (category A, without S), or surface for a record")
     zeta_E: float | None = key(
-        "a_g S borne over that demanded: ζ_E at SLV and SLC, a ratio at SLO and SLD",
-        "ζ_E",
-        ratio=True,
+        "a_g S borne over that demanded: ζ_E at SLV and SLC, a ratio at SLO and SLD", "ζ_E", ratio=True
     )
     verified: bool | None = key(
         "whether the ratio is 1 or more; null: not determined, or below 1 within its range",
@@ -236,9 +234,7 @@ class RiskIndices(Part):
     PAM: float | None = key("expected annual loss, a share (DM 58/2017); null: not known", "PAM", change=True)
     PAM_class: str | None = key("its class, A+ to G", "Classe PAM|PAM class")
     risk_class: str | None = key(
-        "the worse of both; null: PAM not known",
-        "Classe di rischio|Risk class",
-        null="not_determined",
+        "the worse of both; null: PAM not known", "Classe di rischio|Risk class", null="not_determined"
     )
     trace: list[Line] = key("their calculation")
 

@@ -187,9 +187,7 @@ class Scanned(OfRecord):
         ground="surface",
     )
     pga_safe_g: float | None = key(
-        "largest level below that stands; null: not completed",
-        "PGA sopportata|Withstood",
-        ground="surface",
+        "largest level below that stands; null: not completed", "PGA sopportata|Withstood", ground="surface"
     )
     lowest_collapse_g: float | None = key(
         "lowest level run that collapses; null: none", "Collasso più basso|Lowest collapse", ground="surface"

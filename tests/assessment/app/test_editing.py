@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from assessment.app.editing import ConflictError, Versions, digest_of, edited
+from assessment.app.session import ConflictError, Versions, digest_of, edited
 from assessment.runtime.errors import ProjectError
 from tests.support.block_project import PROJECT
 
@@ -107,7 +107,7 @@ def test_a_full_disk_changes_nothing(tmp_path, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device", str(file))
 
-    monkeypatch.setattr("assessment.app.editing.write_atomically", full)
+    monkeypatch.setattr("assessment.app.session.write_atomically", full)
     with pytest.raises(OSError, match="No space left"):
         Versions(tmp_path).write([(("scatter",), 2)], digest_of(COMMENTED.encode()))
     assert file.read_text(encoding="utf-8") == COMMENTED

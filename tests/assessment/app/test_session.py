@@ -11,14 +11,12 @@ import tomllib
 import ezdxf
 import pytest
 
-from assessment.app.editing import ConflictError
 from assessment.app.pictures import record_picture
 from assessment.app.server import ANSWERS
-from assessment.app.session import Session
+from assessment.app.session import ConflictError, Session
 from assessment.app.worker import Worker, WorkerError
 from assessment.cli.main import main
-from assessment.project.catalogue.from_drawing import proposal
-from assessment.project.catalogue.new_project import made, write_drawing
+from assessment.project.catalogue.new_project import made, proposal, write_drawing
 from assessment.project.xlsx import to_xlsx
 from assessment.runtime.errors import ProjectError
 from assessment.runtime.progress import NAME as JOURNAL

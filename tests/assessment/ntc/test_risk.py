@@ -3,7 +3,7 @@
 import pytest
 from scipy.optimize import brentq
 
-from assessment.ntc.risk import (
+from assessment.ntc.tables import (
     CLASSES,
     attained,
     expected_annual_loss,
