@@ -225,10 +225,7 @@ def activation_of(
 
 
 def _elastic_end(elastic: ElasticPush | None) -> float | None:
-    """Return the displacement (m) at which the elastic curve ends; None if it was cut beyond its peak.
-
-    An end that is not decided limits as a loss of equilibrium does: no equilibrium is known beyond it.
-    """
+    """Return the displacement (m) where the elastic curve ends, decided or not; None if it was cut beyond its peak."""
     if elastic is None:
         return None
     multiplier = elastic.curve.multiplier
@@ -240,10 +237,7 @@ def _elastic_end(elastic: ElasticPush | None) -> float | None:
 def _vertical(
     model: Assembly, capacity: oscillator.CapacityCurve, linear: parts.Check | None, demands: Mapping[str, Spectrum]
 ) -> parts.VerticalCheck | None:  # fmt: skip
-    """Return the linear check at SLV with the vertical component where a_g ≥ 0.15 g (NTC 2018, §7.2.2).
-
-    None with loads without mass or joints that crush: strength is then not proportional to the weights.
-    """
+    """Return the linear check at SLV with the vertical component (§7.2.2); None where α0 is no share of the weights."""
     ground = ground_of(demands["SLV"]) if linear is not None else None
     massive = all(block.load_has_mass or block.vertical_load == 0.0 for block in model.blocks)
     proportional = massive and not model.crushes
@@ -275,10 +269,9 @@ def way_of_blocks(rigid: RigidPush, gamma_star: float, direction: Direction) -> 
 
 
 def rigid_branch(rigid: RigidPush, way: Way) -> Curve:
-    """Return the rigid curve from where the mechanism forms on, over growing d*/Γ* (m), no higher than α0.
+    """Return the rigid curve from the mechanism on, over growing d*/Γ* (m), no higher than α0.
 
-    If equilibrium is lost before α = 0, the capacity vanishes there: the branch ends with a vertical drop at d_0. The
-    last multiplier of a curve that reaches zero is none.
+    Where equilibrium is lost before α = 0 it ends with a vertical drop; at zero the last multiplier is none.
     """
     multiplier = np.minimum(rigid.curve.multiplier, rigid.alpha_0)
     if rigid.reached_zero:
@@ -319,10 +312,7 @@ def with_loss(method: Method, loss: LocalLoss | None) -> Method:
 
 
 def checks_of(curve: oscillator.CapacityCurve, checks: Mapping[str, parts.Check]) -> dict[str, parts.Check]:
-    """Return the checks of a capacity curve by their names, their traces without the steps of the curve.
-
-    Linear ones have α and e* of what is activated first.
-    """
+    """Return checks by name, without the steps of the curve; linear ones with α and e* of what is activated first."""
     common = len(curve.steps())
     linear = {"alpha_0": curve.activation.alpha, "e_star": curve.activation.e_star}
     return {

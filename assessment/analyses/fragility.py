@@ -101,10 +101,7 @@ def _gap(levels: Sequence[float]) -> tuple[float, float] | None:
 
 
 class Standard(NamedTuple):
-    """Mean and lowest PGA at collapse of some records (g), and which of them counts by the `rule`.
-
-    None: undecided; a rule of None: fewer records than §7.3.5 asks for.
-    """
+    """Mean and lowest PGA at collapse of records (g), None: undecided; which counts by the `rule`, None: too few."""
 
     mean: float | None
     lowest: float | None
@@ -145,10 +142,7 @@ class RecordLevel:
 
 @dataclass(frozen=True)
 class Dispersion:
-    """Median and β of a fragility, β of the records and within them; 95 % ranges, None of fewer than ENOUGH records.
-
-    `band`: of the probabilities of BAND the 95 % bounds of the level at which they are reached; none without ranges.
-    """
+    """Median and β, of records and within; 95 % ranges, and bounds of the levels of BAND: none of too few records."""
 
     median: float
     beta: float
@@ -181,10 +175,7 @@ def over_records(levels: Sequence[RecordLevel]) -> Dispersion | None:
 
 
 def over_stripes(levels: Sequence[float], shares: Array, records: Sequence[str]) -> Dispersion | None:
-    """Return the fragility of the `shares` (n, k) of motions of the `records` (n,) that collapse at k levels.
-
-    None where they determine no median. The β is that of the records: within one of them it is not told apart.
-    """
+    """Return the fragility of `shares` (n, k) of motions of `records` (n,) that fall at k levels; None: no median."""
 
     def fitted(weights: Array) -> tuple[Array, ...]:
         fit = fit_stripes(np.array(levels), shares, weights)
@@ -216,10 +207,7 @@ class Lognormal(NamedTuple):
 
 
 def samples_of_records(records: Sequence[str]) -> Array | None:
-    """Weights (s, n) of SAMPLES samples of as many records as there are, with replacement, from a fixed seed.
-
-    `records` (n,): of each observation; those of one stay together, being no independent ones. None: fewer than ENOUGH.
-    """
+    """Return weights (s, n) of SAMPLES samples of `records` (n,), those of one together; None: fewer than ENOUGH."""
     names = list(dict.fromkeys(records))
     if (count := len(names)) < ENOUGH:
         return None
@@ -228,10 +216,9 @@ def samples_of_records(records: Sequence[str]) -> Array | None:
 
 
 def fit_levels(level: Array, withstood: Mask, weights: Array) -> Lognormal:
-    """Fit levels of collapse (n,), those `withstood` being lower bounds of theirs (right-censored).
+    """Fit levels of collapse (n,); those `withstood` are lower bounds: by expectation-maximisation where there are any.
 
-    Without lower bounds: mean and root mean square (over n, by maximum likelihood) of the logarithms; equal levels have
-    β = 0. With them by expectation-maximisation. Where all withstood there is no median.
+    Else mean and root mean square of the logarithms; equal levels have β = 0. Where all withstood there is no median.
     """
     x = np.log(level)
     total, fell = weights.sum(axis=1), weights @ (~withstood).astype(float)

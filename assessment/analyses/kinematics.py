@@ -1,7 +1,4 @@
-"""Mechanisms of macro-blocks: virtual work by hand, α0 and e*, and the finite motion, α over the displacement.
-
-Circolare 7/2019, C8.7.1.2.1.2: macro-blocks turn about hinges of their own material, not about fixed centres.
-"""
+"""Mechanisms of macro-blocks that turn about their own hinges (C8.7.1.2.1.2): virtual work, α0, e*, finite motion."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -33,10 +30,7 @@ _SUMS = (  # symbol, unit, term of a macro-block
 
 @dataclass(frozen=True)
 class VirtualWork:
-    """Works of the weights `dead` and of the same weights laid over towards +x `lateral` (kN·m); their steps.
-
-    `moving`: seismic weight that moves, kN; `second`: Σ P δ_x², kN·m²; `ties`: Σ F e of the ties that yield, kN·m.
-    """
+    """Works (kN·m) of weights `dead`, `lateral`, of `ties`; `moving` weight (kN), `second`: Σ P δ_x²; their steps."""
 
     dead: float
     lateral: float

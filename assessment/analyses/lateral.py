@@ -109,10 +109,9 @@ def _mechanism(
 
 
 def _way_of_blocks(path: procedures.Pushover, mechanism: static.Mechanism) -> list[float] | None:
-    """Return d* (k,) m of the blocks that move: ΣPδu/ΣPδ, u how far each has gone since the mechanism formed.
+    """Return d* (k,) m of the blocks: ΣPδu/ΣPδ, u how far each has gone since the mechanism formed; before Γ* d_C.
 
-    Of a mechanism that goes on as it begins u = δ d_C, and that is Γ* d_C (C8.7.1.2), as it is taken to be before. None
-    where Γ* is not defined.
+    None where Γ* is not defined. Of a mechanism that goes on as it begins it is Γ* d_C throughout (C8.7.1.2).
     """
     if mechanism.gamma_star is None:
         return None
@@ -165,10 +164,7 @@ MEETS = 0.01  # of α0: a curve as drawn whose onset is lower by more rises wher
 
 @dataclass(frozen=True)
 class PushSetting:
-    """How a state is pushed over: behaviour and friction law of the joints, step of the control point (`increment`, m).
-
-    `until`: share of the peak of an elastic curve at which it is followed no further.
-    """
+    """How a state is pushed over, in steps of `increment` (m); elastic curves `until` that share of their peak."""
 
     behaviour: Behaviour
     sliding: Sliding
@@ -188,10 +184,7 @@ def push(
     model: mechanics.Assembly, name: str, state: mechanics.State | None, setting: PushSetting,
     directions: tuple[Direction, ...], controls: tuple[ControlTable, ...],
 ) -> list[Found[Pushed]]:  # fmt: skip
-    """Push the state of that name over (None: as drawn), by its control point or, if that takes no part, one that does.
-
-    A second direction is the mirror image of the first, and so is its curve: model and control points are each other's.
-    """
+    """Push the state of that name over (None: as drawn); where curves are mirror images the second one is reflected."""
     behaviour, parts = setting.behaviour, []
     followed: tuple[ControlTable, procedures.Pushover] | None = None
     for direction, control in zip(directions, controls, strict=True):
@@ -322,8 +315,7 @@ def _rigid_notes(curve: static.RigidPush, path: procedures.Pushover) -> Iterator
 def rests_or_moves(model: mechanics.Assembly, name: str, start: mechanics.State) -> Found[float]:
     """Return the largest ratio of the associative to Coulomb's multiplier of both directions, and warn of a large one.
 
-    Rigid joints may move from Coulomb's multiplier on. Up to the associative one they may also rest, for forces within
-    their bounds exist that balance; a motion rests wherever it can.
+    Between the two rigid joints may move or rest; a motion rests wherever it can.
     """
     found = Found(1.0)
     for direction in get_args(Direction):
@@ -343,10 +335,7 @@ def rests_or_moves(model: mechanics.Assembly, name: str, start: mechanics.State)
 def second_solver(
     model: mechanics.Assembly, name: str, direction: Direction, activated: mechanics.State, alpha_0: float
 ) -> Found[static.SecondSolver]:
-    """Compare the associative multipliers of two programs in the state `activated`; `alpha_0`: of the curve there.
-
-    With Coulomb's law no linear program has the multiplier. Nothing is `found` where joints crush.
-    """
+    """Compare the associative multipliers of two programs in the state `activated`; nothing where joints crush."""
     began = time.perf_counter()
     found = Found[static.SecondSolver]()
     title = pushover_title(name, direction, "rigid")
@@ -377,10 +366,9 @@ def second_solver(
 
 
 def with_control(project: Project, model: mechanics.Assembly) -> tuple[Project, list[Message]]:
-    """Return the project with a control point for each direction where it needs one and has none, and which these are.
+    """Return the project with a control point for each direction that needs one and has none, and which these are.
 
-    It is the corner that goes farthest along the push in the first mechanism of the structure as drawn, `model`: the
-    same in every state, so that their displacements can be compared.
+    It is the corner that goes farthest in the first mechanism as drawn: the same in every state, to compare them.
     """
     needed = project.pushover or project.history or project.incremental or project.campaign
     if project.control or not needed:

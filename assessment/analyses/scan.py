@@ -62,10 +62,9 @@ class Reach:
 
 @dataclass
 class Scan:
-    """The `points` of every level (PGA, g) that was run, and the time step (s) of its motions.
+    """What a scan found: `points` of every level (PGA, g) run, time step (s), counts, worst residual, seconds.
 
-    `reason`: why there is no answer; `notes`: warnings of the motions, and levels whose outcome is not known; `counts`
-    of all motions, their worst residual, and the seconds that they took.
+    `reason`: why there is no answer; `notes`: warnings of the motions, and levels whose outcome is not known.
     """
 
     points: list[Level] = field(default_factory=list)
@@ -149,11 +148,7 @@ def scan_levels(
     near: float | None = None,
     also: Sequence[float] = (),
 ) -> None:
-    """Ask for the `peak` displacement (m) at levels (g) near the lowest collapse; `pga` (g): of the record.
-
-    The peak of a collapse is ∞. `also` (g): levels that are run, and around which collapse is looked
-    for as well.
-    """
+    """Ask for the `peak` (m; ∞: collapse) at levels (g) about the lowest collapse, and around those of `also` (g)."""
     lattice = _Lattice(peak, pga, reach)
     # outwards from the level expected: upwards until one falls, or downwards until one stands
     place, stride = lattice.nearest(near or pga), 1
@@ -220,10 +215,7 @@ class _Lattice:
         return [place for place in self.peaks if self.falls(place) is fell]
 
     def suspected(self) -> float | None:
-        """Return the place where a lower collapse is to be looked for next; None: nowhere.
-
-        It is below all that were run where the level that counts is there, else where one is most likely to hide.
-        """
+        """Return the place below all runs where the level that counts is there, else where a collapse is likeliest."""
         lowest, levels = math.floor(min(self.peaks)), [self.level(place) for place in self.peaks]
         counts = observed(levels, [self.falls(place) for place in self.peaks]).capacity
         if counts is not None and counts < self.level(min(self.peaks)) and lowest > self.bottom:

@@ -1,7 +1,4 @@
-"""Analysis of states: all settlements first, then the pushover in every direction from the states at rest.
-
-A strengthening has the settlement of the state that it strengthens: its ties are set, and its layers changed, at rest.
-"""
+"""Analysis of states: settlements first, then strengthenings are set at rest, then pushovers in every direction."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -26,10 +23,7 @@ PAST_PEAK = 0.25  # of the peak of an elastic curve
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """One state (settlement None: as drawn) under one behaviour; `what` distinguishes it from others of that name.
-
-    `member`: its number in the ensemble of the state, 1: the run itself.
-    """
+    """A state under one behaviour (settlement None: as drawn), a `member` of its ensemble; `what`: of which study."""
 
     project: Project
     model: StateModel
@@ -272,10 +266,7 @@ def _reached(movement: Found[Settled] | None) -> State | None:
 def _not_back(
     movement: Movement, followed: Found[Settled], found: Mapping[Movement, Found[Settled]], sliding: Sliding
 ) -> list[Message]:
-    """Return what does not come back where all supports are where they were, as drawn or after an earlier movement.
-
-    As drawn elastic joints have sunk under gravity.
-    """
+    """Return what does not come back where all supports are where they were, as drawn (sunk) or after a movement."""
     (model, path, behaviour), reached = movement, _reached(followed)
     places = [
         (message("after {state}", state=path[count - 1].name), state)

@@ -34,10 +34,7 @@ ENERGIES = tuple(name.removesuffix("_kNm") for name in EnergyBalance.model_field
 
 @dataclass(frozen=True)
 class Setting:
-    """How motions are integrated: the keys that [[history]] and [incremental] share.
-
-    `ultimate` (m): control displacement at which the static capacity vanishes, None where it is not known.
-    """
+    """How motions are integrated; `ultimate` (m): control displacement of no static capacity, None: not known."""
 
     table: MotionTable
     control: ControlTable
@@ -67,10 +64,9 @@ class Shaking:
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """A motion and the free one after it: time (k,) s from the beginning, control displacement (k,) m from rest.
+    """A motion and the free one after it: time (k,) s, control displacement (k,) m from rest, positions (k, b, 3).
 
-    `positions` (k, b, 3); `forces` (k, j, 3) kN and kNm: N, P and T of the drawn joints; `parts`: the runs that it
-    is made of.
+    `forces` (k, j, 3) kN and kNm: N, P and T of the drawn joints; `parts`: its runs.
     """
 
     time: Array

@@ -81,10 +81,7 @@ def _outlined(outlines: tuple[Outline, ...]) -> dict[str, Any]:
 
 
 def repair_picture(folder: Path, apply: bool) -> dict[str, Any]:
-    """Return what a repair of the drawing changes, a line each, and the name of the repaired copy.
-
-    The copy is written where `apply` says so. Raises ProjectError or DrawingError as `with_repaired_drawing`.
-    """
+    """Return what a repair of the drawing changes, a line each; `apply`: the name of its copy too, which is written."""
     project, _ = survey_project(folder)
     if apply:
         repaired, changes = with_repaired_drawing(project)
@@ -131,10 +128,9 @@ def _short(values: Array) -> list[Any]:
 
 
 def drawing_picture(path: Path) -> dict[str, Any]:
-    """Return the outlines of a DXF file by layer, its size in drawing units, and what a project of it would be.
+    """Return outlines by layer and size (drawing units) of a DXF file, the proposed `unit` and `notes`, a line each.
 
-    `unit`: the one that is proposed; `notes`: what it assumes, a line each. Raises DrawingError for a file that
-    cannot be read.
+    Raises DrawingError for a file that cannot be read.
     """
     found = survey_drawing(path, "m", Layer(Material(20.0), 1.0))
     points = np.concatenate([each.points for each in found.outlines] or [np.zeros((1, 2))])
@@ -172,11 +168,7 @@ def attachment_picture(path: Path) -> dict[str, Any]:
 
 
 def begin_project(folder: Path, drawing: Path, given: dict[str, Any]) -> None:
-    """Make a project of a drawing in a new folder, with what is proposed for it.
-
-    `given`: title, unit, depth_m, unit_weight_kN_m3, language. Raises ProjectError where one is wrong, or the folder is
-    there.
-    """
+    """Make a project of a drawing; `given`: title, unit, depth_m, unit_weight_kN_m3, language. Raises ProjectError."""
     own = {
         "title": given["title"],
         "geometry": {"drawing": drawing.name, "unit": given["unit"], "depth_m": given["depth_m"]},

@@ -1,7 +1,6 @@
-"""`assesto app`: the server of the page, its address printed and opened in the browser; what the page may ask.
+"""`assesto app`: the server of the page, and what it may ask; answers follow from the session and what is sent.
 
-Only this machine, only who has the token, only from the page's own address. Answers are pure functions of the session
-and of what the page has sent.
+Only this machine, only who has the token, only from the page's own address.
 """
 
 import json
@@ -131,10 +130,9 @@ def convert(session: Session, _: Sent) -> dict[str, Any]:
 
 
 def new(session: Session, sent: Sent) -> None:
-    """Make a project in a new folder and show it: from a `template`, an `example`, or a dropped `drawing`.
+    """Make a project from a `template`, an `example`, or a dropped `drawing` in a new folder, and show it.
 
-    Of a drawing title, unit, depth (m) and unit weight (kN/m³) are asked, no more. Raises ProjectError for a name that
-    is taken or none.
+    Raises ProjectError for a name that is taken or none.
     """
     name = file_name(_given(sent, "name", str))
     folder = session.home / name
@@ -367,8 +365,7 @@ QUIET = {"log_level": "critical", "server_header": False, "lifespan": "off"}
 def serve(folder: Path | None, port: int, browser: bool) -> None:
     """Serve a project, or none, until interrupted; a second call on a folder opens the page of the first.
 
-    The first line of standard output is the address with the token. Raises ProjectError for a folder without a project
-    or a port that is taken.
+    The first line printed is the address with the token. Raises ProjectError for no project, or a port that is taken.
     """
     session = Session(Path.cwd(), folder)
     place = session.folder / OWN / "at" if session.opened else None

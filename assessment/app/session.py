@@ -1,7 +1,4 @@
-"""What the server knows of the project that the page shows: its file, changed and with versions, results, runs.
-
-All else is in its folder. A run is a command of its own, which goes on when the page and its server end.
-"""
+"""What the server knows of a project: its file with versions, results, and the runs, which outlive the server."""
 
 from __future__ import annotations
 
@@ -66,10 +63,9 @@ def tags_of(content: Mapping[str, Any], inputs: Mapping[str, str]) -> dict[str, 
 
 
 def edited(text: str, changes: Sequence[Change]) -> str:
-    """Return the TOML text with all changes made: comments, order and what is not changed stay as they are written.
+    """Return the TOML text with all changes made; comments, order and all else stay as they are written.
 
-    Raises ProjectError, one line per problem, where the content would have wrong keys, types or ranges, or a change is
-    at no place of a project file.
+    Raises ProjectError, a line per problem, for wrong keys, types, ranges or places.
     """
     import tomlkit
 
@@ -133,8 +129,7 @@ class Versions:
     def write(self, changes: Sequence[Change], digest: str) -> str:
         """Make changes in the file whose digest the page knew; return its new digest.
 
-        Raises ConflictError where the file is another one by now, ProjectError as `edited` and for a file that is no
-        TOML, OSError where a file cannot be written: nothing is changed then.
+        Raises ConflictError, ProjectError as `edited` and for no TOML, or OSError: nothing is changed then.
         """
         before = self._known(digest)
         read_toml(self.file)  # what is refused here is nothing to parse
@@ -206,10 +201,7 @@ SAID = 2000  # letters of what a command that failed has said
 
 
 class Runs:
-    """The run in the output folder of a project, whoever has started it; `log`: where a command says what is wrong.
-
-    The log is not in the project, whose disk may be full.
-    """
+    """The run in the output folder of a project; `log`: what a command says is wrong, off a disk that may be full."""
 
     def __init__(self, folder: Path, log: Path) -> None:
         self.folder, self.output, self.log = folder, folder / "output", log
@@ -348,8 +340,7 @@ class Session:
     def held(self, tag: str | None) -> Session:
         """Return the session with its project held fast, whatever is opened meanwhile.
 
-        `tag`: of the project that the page shows, "" where it shows none, None where any will do. Raises ConflictError
-        where another one is open by now.
+        `tag`: of the project of the page, "": none, None: any. Raises ConflictError where another one is open.
         """
         found = copy.copy(self.root)
         if tag is not None and tag != (found.opened.tag if found.opened else ""):

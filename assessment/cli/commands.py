@@ -1,7 +1,4 @@
-"""The commands: each takes its options and returns its exit code; what a run tells at its end.
-
-What a command needs is imported when it is called: `--help` answers in under 0.3 s.
-"""
+"""The commands: each takes its options and returns its exit code. Imports are late: `--help` answers in 0.3 s."""
 
 from __future__ import annotations
 
@@ -64,10 +61,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def check(options: argparse.Namespace) -> int:
-    """Read and validate everything, draw the model, print its summary and every warning; no analysis.
-
-    With `--repair` first write a repaired drawing beside the project's, list every change, and check that one.
-    """
+    """Validate everything, print model and warnings, draw the model; `--repair`: first write a repaired drawing."""
     from assessment.project.model import with_repaired_drawing
     from assessment.project.motions import described
     from assessment.project.project import load_project

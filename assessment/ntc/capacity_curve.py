@@ -35,10 +35,9 @@ Curve = tuple[ArrayLike, ArrayLike]
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """How far the blocks that move have gone for the displacements (k,) m of the control point.
+    """Displacements (k,) m of the control point, and d*/Γ* (k,) m of the blocks that move, `equivalent` to them.
 
-    `equivalent` (k,) m: d*/Γ*, the displacement of the control point of a mechanism that goes on as it begins. What a
-    control point near a hinge tells of itself, or one that other blocks slide past, is no measure of these.
+    A control point near a hinge, or one that others slide past, is no measure of the blocks.
     """
 
     control: Array
@@ -350,10 +349,9 @@ class Activation:
 
 @dataclass(frozen=True, eq=False)
 class CapacityCurve:
-    """Capacity of the equivalent oscillator: a* (k,) in g over d* (k,) in m, with the fit it comes from.
+    """Capacity of the equivalent oscillator: a* = α/(e* F_C) (k,) in g over d* = d Γ* (k,) in m, with the fit.
 
-    a* = α/(e* F_C) (in g), d* = d Γ*; the confidence factor is applied here alone. `confidence_source`: the
-    paragraph that F_C follows from. `activation`: what activates the first mechanism.
+    F_C divides here alone, from the paragraph `confidence_source`; `activation`: what activates the first mechanism.
     """
 
     fit: CurveFit
@@ -439,11 +437,7 @@ def capacity_curve(
     fit: CurveFit, e_star: float, gamma_star: float, confidence_factor: float = 1.0,
     confidence_source: str = CONFIDENCE_FACTOR, activation: Activation | None = None,
 ) -> CapacityCurve:  # fmt: skip
-    """Return the capacity curve d* = d Γ*, a* = α/(e* F_C): the confidence factor divides once, here.
-
-    `confidence_source`: the paragraph that F_C follows from; `activation`: default, the curve's own mechanism at α0.
-    Raises ValueError naming the argument.
-    """
+    """Return the curve d* = d Γ*, a* = α/(e* F_C); `activation`: default α0 of the fit. Raises ValueError naming it."""
     activation, F_C = activation or Activation(fit.alpha_0, e_star, fit.source), confidence_factor
     for name, share in (("e_star", e_star), ("activation.e_star", activation.e_star)):
         require(is_between(share, 0.0, 1.0 + 1e-9, "(]"), name, share, "above 0 and at most 1")

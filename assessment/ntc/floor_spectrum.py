@@ -29,10 +29,7 @@ _LAW_2009 = "Circolare 617/2009, C8A.4.2.3"
 
 @dataclass(frozen=True, slots=True)
 class Mode:
-    """A mode of the building: period (s), participation γ_k, shape ψ_k at the mechanism's height, damping.
-
-    Raises ArgumentError naming the field.
-    """
+    """A mode of the building: period (s), γ_k, shape ψ_k at the mechanism, damping. Raises ArgumentError."""
 
     period: float
     gamma: float
@@ -87,10 +84,9 @@ class _OnGround:
 class FloorSpectrum(_OnGround):
     """Floor spectrum S_eZ(T, ξ) = √Σ S_eZ,k² ≥ S_e(T, ξ) (Circolare 7/2019, C7.2.5–C7.2.10).
 
-    `ground` carries the hazard and, in its damping, that of the element (ξ); `modes` the first mode first.
-    That ξ_k enters A as a fraction and a_Z,k in % is inferred (A = 4.9 at 5 %). The circular writes S_eZ ≥ S_e for
-    T > T_1; here it holds at every period [k], since the modes alone vanish towards the ground.
-    Raises ArgumentError without a mode.
+    `ground` carries the hazard and, in its damping, that of the element (ξ); `modes` the first mode first. That ξ_k
+    enters A as a fraction and a_Z,k in % is inferred (A = 4.9 at 5 %). The circular writes S_eZ ≥ S_e for T > T_1; here
+    it holds at every period [k], since the modes alone vanish towards the ground. Raises ArgumentError without a mode.
     """
 
     modes: tuple[Mode, ...]
@@ -114,10 +110,9 @@ class FloorSpectrum(_OnGround):
         return np.maximum(modal, self.ground.displacement(T))[()]
 
     def largest_displacement(self, T_0: float, T: float) -> tuple[float, float]:
-        """Return the demand at T (m) and the period (s) where it is.
+        """Return the demand at T (m) and its period (s): for T > b T_1 not below the plateau's end (C8.7.1.2).
 
-        Circolare 7/2019, C8.7.1.2: for T > b T_1 not below the modes' S_eZ(T_1) b² T_1²/4π², the plateau's end; and
-        never below the ground's largest displacement over [T_0, T].
+        It is never below the ground's largest displacement over [T_0, T].
         """
         candidates = [(float(self.displacement(T)), T), self.ground.largest_displacement(T_0, T)]
         if self._edge < T:

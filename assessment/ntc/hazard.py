@@ -1,7 +1,4 @@
-"""Seismic hazard of a site: the grid of D.M. 14/01/2008, Allegato B, other grids, the nine lines of one site.
-
-Limit states of NTC 2018; the return period of the action that a structure bears.
-"""
+"""Seismic hazard of a site: grid of D.M. 14/01/2008, Allegato B, others, nine lines of one site; return periods."""
 
 import re
 from collections.abc import Sequence

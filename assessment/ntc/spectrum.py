@@ -186,10 +186,7 @@ class ElasticSpectrum:
 
 @dataclass(frozen=True, eq=False)
 class RecordSpectrum:
-    """Elastic response spectrum of a record: `acceleration_g` (n,) in g at steps of `time_step` (s).
-
-    The ordinates are those of `mechanics.records.response_spectrum`. Raises ValueError naming the argument.
-    """
+    """Spectrum of a record, `acceleration_g` (n,) g at steps of `time_step` (s), by response_spectrum; ValueError."""
 
     acceleration_g: ArrayLike
     time_step: float

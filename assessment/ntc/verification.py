@@ -1,7 +1,4 @@
-"""Checks of the limit states: how they are made, and the a_g that a capacity bears under a demand's spectrum.
-
-NTC 2018, §8.3 (ζ_E); Circolare 7/2019, C8.7.1.2; Circolare 617/2009, C8A.4.
-"""
+"""Checks of limit states by the a_g borne: NTC 2018, §8.3 (ζ_E); Circolare 7/2019, C8.7.1.2; 617/2009, C8A.4."""
 
 from collections.abc import Mapping
 from contextlib import suppress
@@ -51,16 +48,15 @@ LAW = {"2019": "Circolare 7/2019, C8.7.1.2", "2009": "Circolare 617/2009, C8A.4.
 class Method:
     """How the checks are made.
 
-    behaviour_factor: q of the linear check. circular: "2019", or "2009" (secant at 0.4 d_u, 5 % damping, no
-    lower bound by activation; SLV only) [k]. scaling: how the demand spectrum follows a_g to the capacity:
-    "shape" keeps its shape (S_S and T_D with it) and scales it; "return_period" moves along `hazard` until
-    the spectrum of that return period meets the capacity. displacement_demand: "maximum" of S_De over
-    [T_0, T], which differs from S_De(T) for records and beyond T_E; "at_period": S_De(T), as in the paper, a number
-    to compare: what is verified is decided by the maximum.
-    local_limits: displacement of the control point (m) at which an element is lost (a beam unseats), per
-    limit state; local_reason: what is lost, for the calculation. site_acceleration: a_g S of the site (g) per
-    limit state, compared with the peak acceleration where the spectrum is a record's. return_periods: T_R of the
-    demand (years) per limit state, where it is known. Raises ArgumentError naming the field.
+    behaviour_factor: q of the linear check. circular: "2019", or "2009" (secant at 0.4 d_u, 5 % damping, no lower bound
+    by activation; SLV only) [k]. scaling: how the demand spectrum follows a_g to the capacity: "shape" keeps its shape
+    (S_S and T_D with it) and scales it; "return_period" moves along `hazard` until the spectrum of that return period
+    meets the capacity. displacement_demand: "maximum" of S_De over [T_0, T], which differs from S_De(T) for records and
+    beyond T_E; "at_period": S_De(T), as in the paper, a number to compare: what is verified is decided by the maximum.
+    local_limits: displacement of the control point (m) at which an element is lost (a beam unseats), per limit state;
+    local_reason: what is lost, for the calculation. site_acceleration: a_g S of the site (g) per limit state, compared
+    with the peak acceleration where the spectrum is a record's. return_periods: T_R of the demand (years) per limit
+    state, where it is known. Raises ArgumentError naming the field.
     """
 
     behaviour_factor: float = 2.0

@@ -27,10 +27,7 @@ MATERIAL = {key: key.partition("_kN")[0] for key in MaterialTable.model_fields}
 
 
 def as_built(project: Project, drawing: Drawing) -> Drawing:
-    """Return the drawing with its bonds cut and with what regions say of the blocks whose centroids lie in them.
-
-    Raises ProjectError for a region that is no outline or holds no block, and for a bond as `running`.
-    """
+    """Return the drawing with bonds cut and regions put on blocks by centroid. Raises ProjectError for wrong ones."""
     if not project.region and not any(each.bond for each in project.layers.values()):
         return drawing
     keys = [f"{project.source}: region.{region.name}.outline_m" for region in project.region]
@@ -117,8 +114,7 @@ def running(
 ) -> list[Array]:
     """Return the blocks (n, 2) m in running bond of an outline but for `openings` and `others`, lintels last.
 
-    A lintel is one block of one course or more that bears by half a block on either side of its opening; where another
-    outline lies on the opening there is none. Raises ValueError for too many blocks, or one that encloses an opening.
+    A lintel bears by half a block on either side. Raises ValueError for too many blocks, or one around an opening.
     """
     low, bottom, high, top = outline.bounds
     levels = courses(bottom, top, bond.course_m, "course_m")

@@ -1,7 +1,4 @@
-"""From a project's tables and drawing to an assembly of blocks, that of every state, and a repaired drawing.
-
-Measurements of a project are gauges on its assembly.
-"""
+"""From a project's tables and drawing to the assembly of every state, its gauges, and a repaired drawing."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -35,10 +32,9 @@ from mechanics.types import Array
 
 @dataclass(frozen=True, eq=False)
 class StateModel:
-    """The assembly of a state: `settling` as its support moves, or as drawn.
+    """The assembly of a state: `settling` as its support moves, or as drawn; `strengthened`, None: by nothing.
 
-    `strengthened`: what is pushed and shaken where the state is a strengthening, its last ties, `later` of them, as
-    long as drawn; None where nothing strengthens it.
+    The last `later` ties of the latter are set after the movement, there as long as drawn.
     """
 
     name: str
@@ -140,10 +136,7 @@ UNSEEN = "gaps, and blocks that touch nothing, are looked for once these are men
 
 @dataclass(frozen=True, eq=False)
 class ProjectModel:
-    """The blocks and joints of a project as drawn, the assembly of every state by name, warnings about the drawing.
-
-    `cracks`: lines (n, 2), m, that the drawing has of a survey.
-    """
+    """Blocks and joints as drawn, the assembly of every state, warnings; `cracks`: surveyed lines (n, 2), m."""
 
     assembly: Assembly
     states: Mapping[str, StateModel]
@@ -154,8 +147,7 @@ class ProjectModel:
 def build_model(project: Project) -> ProjectModel:
     """Read the drawing, check it, and place control points and ties.
 
-    Raises DrawingError for a drawing that cannot be read, FaultyDrawingError with all faults of one that is none,
-    and ProjectError for a point, tie, measurement or mechanism that does not go with its blocks.
+    Raises DrawingError, FaultyDrawingError with all faults, and ProjectError for what does not go with its blocks.
     """
     geometry = project.geometry
     drawing = masonry.as_built(project, survey_drawing(*how_to_read(project), geometry.tolerance_m))
@@ -213,10 +205,9 @@ def how_to_read(project: Project) -> tuple[Path, str, Layer, dict[str, Layer], f
 
 
 def with_repaired_drawing(project: Project) -> tuple[Project, tuple[str, ...]]:
-    """Write the repaired drawing beside the original; return the project with it, and a line for each change.
+    """Write the repaired drawing, numbered, beside the original; return the project with it, a line for each change.
 
-    Where nothing is to be repaired nothing is written; an earlier one is kept, and this gets the next number. Raises
-    DrawingError where the drawing cannot be read, OSError where none can be written.
+    Where there is none nothing is written. Raises DrawingError or OSError.
     """
     path = project.path(project.geometry.drawing)
     repair = repair_drawing(*how_to_read(project), project.geometry.tolerance_m)

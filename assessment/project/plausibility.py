@@ -1,7 +1,4 @@
-"""Values that are allowed and hardly meant: a warning that names the key and what was probably meant.
-
-None is refused. What is to be typed is a text: it has a decimal point in every language.
-"""
+"""Values that are allowed and hardly meant: a warning that names the key and, typed, what was probably meant."""
 
 import math
 from collections.abc import Iterator, Mapping

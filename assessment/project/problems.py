@@ -1,7 +1,4 @@
-"""What is wrong in a project, in the words of who wrote it: keys, types and ranges; then what does not fit together.
-
-Every message is one line `FILE: KEY: what is wrong; what to do`. List entries are counted from 1.
-"""
+"""What is wrong in a project: keys, types, ranges; then what does not fit together. `FILE: KEY: what; what to do`."""
 
 import json
 import re
@@ -150,10 +147,7 @@ def _pruned(value: Any, levels: int = 3) -> Any:
 
 
 def matches(folder: Path, pattern: str) -> list[Path]:
-    """Return the files in `folder` that match a name, or a pattern such as "records/*.acc", sorted.
-
-    Raises ValueError for `**`, patterns in more than two parts, whose search may never end, and too many files.
-    """
+    """Return the sorted files of a name or pattern in `folder`. Raises ValueError for `**` and too many of either."""
     if _is_file(folder / pattern):
         return [folder / pattern]
     if "**" in pattern:

@@ -1,7 +1,4 @@
-"""The project file: read as TOML or spreadsheet, checked as a whole but for drawing and records, handed on frozen.
-
-Wrong keys, types and ranges are all told at once; where there are none, all that does not fit together is.
-"""
+"""The project file, TOML or spreadsheet: wrong keys, types, ranges told at once, else all that does not fit."""
 
 import math
 import os

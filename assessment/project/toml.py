@@ -45,8 +45,7 @@ def read_toml(path: Path) -> dict[str, Any]:
 def commented_toml(content: Mapping[str, Any], marked: Collection[KeyPath] = ()) -> str:
     """TOML text of a project's content with the meaning of every table and key beside it.
 
-    What the content leaves out stands there too, commented out with its default: keys below those of the first
-    table of their kind, whole tables at the end. `marked`: keys whose meaning begins with MARK.
+    What is left out is commented out with its default, whole tables at the end. `marked`: keys that begin with MARK.
     """
     explained: set[type[ProjectTable]] = set()
     lines: list[str] = []

@@ -38,10 +38,9 @@ FACES = "/* faces */"  # of the style: where the fonts of the PDF are put in
 
 
 def write_page(results: Results, folder: Path, edited: Markup | None = None) -> None:
-    """Write report.html into `folder` from results and the SVG files in folder/figures.
+    """Write report.html into `folder` from results and folder/figures/*.svg, and nothing else: no date is printed.
 
-    `edited`: the judgement in the engineer's own words, in place of the draft. The file depends on nothing but the
-    arguments: no date is printed but that of the project.
+    `edited`: the judgement in the engineer's own words, in place of the draft.
     """
     words = words_of(results)
     page = render_html(results, folder / "figures", words, edited, viewer(results, words))
@@ -49,10 +48,7 @@ def write_page(results: Results, folder: Path, edited: Markup | None = None) -> 
 
 
 def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> list[str]:
-    """Write report.pdf into `folder` as `write_page` does report.html; return warnings.
-
-    Without WeasyPrint's system libraries nothing is written, and the warning holds the command that installs them.
-    """
+    """Write report.pdf as `write_page` the HTML; return a warning, with the command, where libraries are missing."""
     words = words_of(results)
     try:
         weasyprint = load_weasyprint()
@@ -159,10 +155,7 @@ class Said:
 
 @dataclass(frozen=True)
 class Embedded:
-    """A picture of the page: its `file` in the output folder, its caption, and its content as a data address.
-
-    Of a figure the file is the PNG, the content the SVG; as images apart from the page their ids cannot clash.
-    """
+    """A picture of the page: its `file` (of figures the PNG), caption, and content (the SVG) as a data address."""
 
     file: str
     caption: str
@@ -221,10 +214,7 @@ def _kind(name: str) -> str:
 
 
 def write_tables(results: Results, folder: Path) -> None:
-    """Write every table that has rows as CSV (comma, point, UTF-8) into the folder, and fragilities as NRML.
-
-    A text that a spreadsheet would take for a formula, names as well as +x, has an apostrophe in front.
-    """
+    """Write tables that have rows as CSV (UTF-8), and fragilities as NRML; no text is a formula of spreadsheets."""
     if model := fragility_model(results):
         write_atomically(folder / "fragility.xml", model)
     for each in tables(results):

@@ -1,7 +1,6 @@
-"""The report as a Word document: the page of the report, element by element, in styles that an office can change.
+"""The report as a Word document: the HTML that the PDF is made of, element by element, worded there.
 
-Nothing is worded here: headings, paragraphs, lists, tables and figures are those of the HTML that the PDF is made of.
-Every look is a named style of `templates/docx_styles.xml`.
+Every look is a named style of `templates/docx_styles.xml`, which an office can change.
 """
 
 import io
@@ -41,10 +40,7 @@ SPACES = re.compile(r"[ \t\r\n]+")  # those of HTML: a blank between a number an
 
 
 def to_docx(page: str, folder: Path) -> bytes:
-    """Return the report as the bytes of a .docx file.
-
-    `page`: its HTML; `folder`: where the PNG or JPEG files are that figures name in their `data-file`.
-    """
+    """Return the HTML `page` as a .docx file; `folder`: where the pictures are that figures name in `data-file`."""
     root = html.document_fromstring(page, parser=html.HTMLParser(huge_tree=True))
     document: Any = Document()
     styles = template("docx_styles.xml")

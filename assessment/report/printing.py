@@ -1,7 +1,4 @@
-"""What prints the report: its fonts, and WeasyPrint, which needs Pango, a library that pip does not bring.
-
-The fonts are DejaVu as matplotlib ships it, so that no layout of a PDF hangs on the fonts of a machine.
-"""
+"""What prints the report: DejaVu, as matplotlib ships it; WeasyPrint, which needs Pango, which pip does not bring."""
 
 import io
 import platform

@@ -42,10 +42,7 @@ class Carried:
 
 
 def carried_along(path: mechanics.Pushdown | mechanics.Pushover) -> list[Carried | None]:
-    """Return what joints carry at each point of a path; None: not known, as a rigid curve begins without a step.
-
-    Where a mechanism forms it is what limit analysis has there.
-    """
+    """Return what joints carry at each point of a path, None: not known; where a mechanism forms by limit analysis."""
     steps = [Carried(step.contacts, step.forces) for step in path.steps]
     found = [*[None] * (len(path.states) - len(steps)), *steps]
     if isinstance(path, mechanics.Pushover):
@@ -65,8 +62,7 @@ def along_path(
 ) -> list[TieTension] | None:
     """Return the tension of each tie along a path and at its `peak`, a point of it; None where there is no tie.
 
-    With `rigid` joints it is known where it is determined, and not at rest. With elastic ones the greatest is no less
-    than the pretension, under which the tie is set.
+    `rigid`: known where determined, not at rest. Elastic: the greatest is no less than the pretension.
     """
     model, carried = path.model, carried_along(path)
     if not model.ties:
@@ -100,8 +96,7 @@ def along_path(
 def determined(model: Assembly, moved: Sequence[Array]) -> Mask:
     """Return in which motions (k, b, 3) the tension of each tie (k, t) is determined with rigid joints.
 
-    It is where the two blocks of a tie move against each other: the hinges of a mechanism leave no self-stress. Between
-    blocks that rest, or move as one, a tie and the joints beside it bear any self-stress that they can.
+    It is where its two blocks move against each other: hinges leave no self-stress, blocks that move as one any.
     """
     found = np.zeros((len(moved), len(model.ties)), dtype=bool)
     start = np.reshape([model.from_origin(tie.points[0]) for tie in model.ties], (-1, 2))
@@ -117,10 +112,9 @@ def determined(model: Assembly, moved: Sequence[Array]) -> Mask:
 def while_shaken(
     model: Assembly, time: Array, forces: Array, final: State, rigid: bool
 ) -> list[ShakenTie] | None:
-    """Return the greatest tension of each tie in a motion, None where there is no tie.
+    """Return the greatest tension of ties at times (k,) s, None: no tie; of drawn contacts' `forces` (k, j, 3) kN, kNm.
 
-    `time` (k,) s; `forces` (k, j, 3) kN and kNm of the drawn contacts, ties among them; `final`: the state at the end.
-    With `rigid` joints the tension is not determined, and a tie that has lengthened has yielded.
+    With `rigid` joints it is not determined, and a tie that has lengthened up to the `final` state has yielded.
     """
     if not model.ties:
         return None
@@ -253,10 +247,9 @@ def _pictured(
 def snapshots(
     model: Assembly, time: Array, displacement: Array, positions: Array, forces: Array, peak: int
 ) -> Snapshots:
-    """Describe some times of a motion (see `_pictured`), evenly spaced, the peak among them, of the drawn joints.
+    """Describe some times (k,) s of a motion (see `_pictured`), evenly spaced, the peak among them; of drawn joints.
 
-    `time` (k,) s; `displacement` (k,) m of the control point; `positions` (k, b, 3); `forces` (k, j, 3), kN and kNm:
-    those of the step that led there.
+    `displacement` (k,) m of the control point; positions (k, b, 3); `forces` (k, j, 3), kN, kNm, of the step before.
     """
     kept = chosen(len(time), max(FEWEST_IN_TIME, min(MOST_IN_TIME, NUMBERS // _size(model))), (peak,))
     carried = [Carried(model.contacts, forces[k]) if k > 0 or forces[k].any() else None for k in kept]

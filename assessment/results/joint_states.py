@@ -30,10 +30,7 @@ CONDITIONS = ("whole", "partial", "edge", "sliding", "idle")
 
 
 def described(model: Assembly, contacts: Contacts) -> list[Face]:
-    """Describe pairs of faces (m, as drawn): of either block start and end along the common direction, and a middle.
-
-    The `middle_m` of each face are the points from which slips count; of drawn joints they are one.
-    """
+    """Describe pairs of faces (m, as drawn): start and end along the common direction, middles slips count from."""
     depth = np.array([block.depth for block in model.blocks])
     lines = face_lines(contacts, model.as_drawn(model.initial.positions[:, :2]))
     found = []
@@ -59,10 +56,7 @@ class Met:
         self.joints: list[Face] = []
 
     def numbers(self, contacts: Contacts, wanted: Mask) -> Index:
-        """Return the number (j,) of each of the contacts among drawn joints and met pairs; −1 of others, and of ties.
-
-        `wanted` (j,): which pairs count as met.
-        """
+        """Return the number (j,) of contacts among drawn joints and pairs that met (`wanted` (j,)), else −1."""
         found = np.full(len(contacts), -1, dtype=np.intp)
         found[: self.drawn] = np.arange(self.drawn)
         for k in np.flatnonzero(wanted[self.later :]) + self.later:
@@ -134,11 +128,10 @@ def outlines(results: Results) -> Shape:
 
 @dataclass(frozen=True)
 class Situation:
-    """A state in equilibrium whose joint forces are known: at rest, or at the onset of a mechanism.
+    """A state in equilibrium whose joint forces are known: at rest (`direction` None), or at the onset of a mechanism.
 
-    `configuration` (b, 3), `force` (j, 2) kN: N and T, `centre` (j,) as a share of the overlap; `met`: the joints after
-    the drawn ones, whose faces did not touch as drawn; `tension` (t,) kN of the ties of the state. `direction` is None
-    at rest; `alpha` is the multiplier there; `contacts`: the behaviour behind the forces.
+    `configuration` (b, 3); `force` (j, 2) kN: N and T, `centre` (j,) as a share of the overlap, of drawn joints and
+    those `met`; `tension` (t,) kN of the ties; `alpha`: the multiplier; `contacts`: the behaviour.
     """
 
     state: str
@@ -258,11 +251,10 @@ def states_of(faces: Faces, weight: float, situation: Situation) -> JointStates:
 
 
 def pressed(normal: Array, near: Array, length: Array, strength: Array) -> tuple[Array, Array]:
-    """Return the length (j,), m, that presses, and the pressure (j,), kN/m², at its edge.
+    """Return the length (j,), m, that presses, and the pressure (j,), kN/m², at its edge, of a bed without tension.
 
-    Of a linear bed that bears no tension and no more than its `strength` (kN/m²); `normal` (kN/m of depth) acts at the
-    distance `near` (m) from the nearer end of a joint of `length` (m). Where it crushes, the full strength presses over
-    some length and then less, linearly down to zero; a joint that carries nothing has no pressure.
+    `normal` (kN/m) acts `near` (m) the end of a joint of `length` (m); beyond `strength` (kN/m²) it crushes, the full
+    strength over some length and then linearly less. A joint that carries nothing has no pressure.
     """
     carries = normal > 0.0
     with np.errstate(divide="ignore", invalid="ignore"):

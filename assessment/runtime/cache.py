@@ -1,7 +1,6 @@
 """Results of finished analyses in the output folder, found again by the fingerprint of their inputs.
 
-An entry is a file of two lines: the digest of the second, and the result as JSON, read as the type that the analysis
-returns; one that is damaged, or of another type, counts as absent. JSON executes nothing, as pickled stores would.
+An entry has two lines: digest and result as JSON, which executes nothing; a damaged one counts as absent.
 """
 
 from __future__ import annotations
@@ -34,10 +33,7 @@ PRINTING = (  # that only products depend on
 
 
 def fingerprint(function: Callable[..., Any], arguments: tuple[Any, ...]) -> str:
-    """Return a digest (hexadecimal) of a function's name, its arguments and the program.
-
-    Equal digests: the same numbers to the last bit. Raises TypeError for an argument whose content has no digest.
-    """
+    """Return a digest of function, arguments and program: equal ones, equal bits. Raises TypeError without content."""
     name = f"{function.__module__}.{function.__qualname__}"
     return digest([program(), name, [_content(each) for each in arguments]])
 
@@ -123,10 +119,7 @@ def packed(result: Any) -> str:
 
 
 def unpacked(text: str, kind: Any) -> Any:
-    """Return what `packed` was given, of the annotated type `kind`.
-
-    Raises ValueError (pydantic's ValidationError is one), KeyError or RecursionError where the text is no such value.
-    """
+    """Return what `packed` was given, of type `kind`. Raises ValueError, KeyError or RecursionError: no such value."""
     found = _reader(kind).validate_python([json.loads(text, object_hook=_restored)])[0]
     if found == []:  # of several analyses in one there is a result of each
         raise ValueError("no result")

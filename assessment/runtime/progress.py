@@ -1,7 +1,4 @@
-"""How far a run is: its events, as bars on the terminal and in the journal of its output folder, which it locks.
-
-`assesto status` and the app read the journal.
-"""
+"""How far a run is: events, as bars and in the journal of its output folder, which it locks; status and app read it."""
 
 from __future__ import annotations
 
@@ -108,10 +105,7 @@ class RunRecord:
 
 
 class Show:
-    """Shows how far the stages of a run are: as bars on a console, and in the journal of a folder, where it has them.
-
-    `every` (s): between two writes to the journal, beside those where a stage begins or ends.
-    """
+    """Shows how far the stages of a run are: bars on a console, the journal of a folder, `every` so many s."""
 
     def __init__(self, console: Console | None = None, every: float = 1.0) -> None:
         self.bars = _bars(console) if console else None

@@ -1,7 +1,4 @@
-"""A campaign: every record of every sign from every share of a movement at rest, and what it sums up to.
-
-Records are files, made to the spectrum of the site or scaled to it.
-"""
+"""A campaign: every record (of files, made or scaled to the spectrum) of every sign from every share of a movement."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -94,10 +91,7 @@ def compatibility(
 
 @dataclass(frozen=True, eq=False)
 class Moved(Place):
-    """A share of a movement, and its largest component.
-
-    `static_capacity`: PGA at the surface (g) of the check, or α where there is none, of the weaker direction.
-    """
+    """A share of a movement; `static_capacity`: PGA at the surface (g), α without a check, of the weaker direction."""
 
     settlement: str
     share: float
@@ -154,10 +148,7 @@ def moved_states(statics: variants.Statics, study: variants.Study) -> list[Moved
 
 
 def _beside(project: Project, table: CampaignTable) -> Project:
-    """Return the project whose static capacity stands beside the campaign's: of rigid joints without elastic curves.
-
-    Soft joints may lose most of what a movement leaves to rigid ones: the two losses would be of different structures.
-    """
+    """Return the project whose static capacity stands beside a campaign with rigid joints: without elastic curves."""
     if project.pushover is None or table.contacts != "rigid" or "rigid" not in project.pushover.contacts:
         return project
     changed: dict[str, object] = {"pushover": project.pushover.model_copy(update={"contacts": ("rigid",)})}

@@ -1,7 +1,6 @@
 """The discretisation error of static results: increments are halved until the estimated error meets a tolerance.
 
-Every state is analysed with 1, 1/2, 1/4… of the given increments of settlement and pushover. The finest analysis is
-reported, with the error estimated from the differences between the last ones.
+The finest of 1, 1/2, 1/4… of the given increments is reported; the differences of the last ones give the error.
 """
 
 from collections import Counter
@@ -47,10 +46,7 @@ def estimated_error(values: Sequence[float | None]) -> float | None:
 
 @dataclass(frozen=True)
 class Levels:
-    """Quantities `measured` at each level: with the given increments, halved, halved again… (None: not reached).
-
-    `size` (m): of the model; lengths below NOISE times it count as 0. The result is the finest level.
-    """
+    """Quantities `measured` (None: not reached) at increments h, h/2, h/4…; below NOISE of `size` (m) they are 0."""
 
     size: float
     measured: tuple[Measured, ...]
@@ -84,10 +80,7 @@ class Levels:
         return {key: None if error is None else error / values[key] for key, error in self.errors.items()}
 
     def within(self, tolerance: float) -> bool:
-        """Whether every error is known and meets the tolerance, of LEVELS levels at least.
-
-        Two are enough where they agree as well as ends of paths are located: such a path knows no increments.
-        """
+        """Whether errors are known and within the tolerance, of LEVELS levels; of two that agree like path ends."""
         if not self.reached:
             return True
         bound = tolerance if len(self.measured) >= LEVELS else min(tolerance, LOCATED)
@@ -113,10 +106,7 @@ class Levels:
 
 @dataclass
 class Converged:
-    """The finest stages of every state, and `halvings` of its increments behind them.
-
-    `rows` of results.json; `warnings`: where the tolerance was not met.
-    """
+    """Finest stages of every state, `halvings` behind them, `rows` of results.json, warnings of tolerances not met."""
 
     stages: list[StateResult]
     halvings: dict[str, int] = field(default_factory=dict)

@@ -26,10 +26,7 @@ TOGETHER = 3  # unknowns that a direction of the search moves at once; where the
 
 @dataclass(frozen=True)
 class Unknowns:
-    """The unknown components (support, component) of a hypothesis; `lever` (m): the arc of a rotation of 1 rad.
-
-    Their values u (n,) are lengths, m: of a rotation the arc at the lever. `downward_only`: z is not positive.
-    """
+    """Unknown components (support, component), u (n,) m, arcs at the `lever` (m); `downward_only`: z not positive."""
 
     components: tuple[tuple[str, str], ...]
     lever: float
@@ -123,10 +120,9 @@ FIT = FitTolerances()
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """The best values `u` (n,), m; `residual` (m,) over σ; `slopes`: of each unknown derivatives (m,), 1/m.
+    """The best values `u` (n,), m; `residual` (m,) over σ; `slopes` (m,), 1/m, of each unknown, two at a kink.
 
-    An unknown has two slopes where the prediction has a kink. `stopped`: whether a step towards a better fit ended in a
-    movement that the structure does not survive.
+    `stopped`: whether a step towards a better fit ended in a movement that the structure does not survive.
     """
 
     u: Array
@@ -175,10 +171,7 @@ def refined(unknowns: Unknowns, start: Array, residual: Array, predict: Predict,
 
 
 def _newton(unknowns: Unknowns, u: Array, residual: Array, predict: Predict, measured: float) -> list[Array]:
-    """Return the steps x (n,), m, within the bounds of least |J x + r|² + s₁² (damping |x|² + |V x|²), by damping.
-
-    s₁: the largest singular value of J; V: the open directions, where differences are noise, which led 13 m away.
-    """
+    """Return steps x (n,), m, within bounds of least |J x + r|² + s₁² (damping |x|² + |V x|²), V: what is open."""
     from scipy.optimize import lsq_linear  # late: few runs fit, and it takes long to import
 
     jacobian, most = _jacobian(unknowns, u, residual, predict), np.where(unknowns.falling, -u, np.inf)

@@ -31,10 +31,9 @@ SCALED = 3.0  # factor on a record beyond which its level is no longer that of s
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """A state that is shaken: its assembly, and where it rests or why it does not.
+    """A state that is shaken: its assembly, where it rests or why not; `path`: the movement it follows on.
 
-    `path`: the movement on which states follow one another. `ultimate`, `d_0_m` (m): control displacements at which the
-    static capacity vanishes in both directions, and in the first of them. None: not known.
+    `ultimate`, `d_0_m` (m): where the static capacity vanishes in both directions, in the first; None: not known.
     """
 
     title: Message
@@ -109,10 +108,7 @@ def asked_for(
 
 @dataclass
 class Scans:
-    """Scans of a run by key and by how often the time step is halved; what is there is not run again.
-
-    `counts`: halvings of the step that counts, where finer ones were run only to look at it; None: the finest counts.
-    """
+    """Scans by key and halvings of the step, run once; `counts`: halvings that count, None: the finest."""
 
     project: Project
     workers: Workers

@@ -1,7 +1,6 @@
-"""Variants of a project beside its states: sweeps of movements with the worst case, and properties lower and higher.
+"""Variants of a project beside its states: sweeps of movements with the worst case, properties lower and higher.
 
-A point of a sweep is a scenario of its own: the structure as drawn settles by a part of the movement, comes to rest,
-and is pushed over. A sensitivity varies one property in all blocks at once.
+A point of a sweep is a scenario: the drawn structure settles by a part of the movement, rests, and is pushed over.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, Set
@@ -30,10 +29,7 @@ from mechanics.procedures import whole_movement
 
 @dataclass(frozen=True, eq=False)
 class Statics:
-    """What studies start from: the project, and each state as results.json has it, with the results behind it.
-
-    `halvings`: how often the increments of each state were halved; the studies of a state halve theirs as often.
-    """
+    """What studies start from: project, states as in results.json, results behind; `halvings` of their increments."""
 
     project: Project
     models: Mapping[str, StateModel]
@@ -150,10 +146,7 @@ def asks_for_scenarios(project: Project) -> bool:
 
 
 def scenarios(statics: Statics, study: Study) -> studies.Scenarios:
-    """Return the capacity of every state, and of each part of a movement with a sweep, in the order of the scenarios.
-
-    With the quantity that they are compared by and the worst point. Parts have the increments of the whole movement.
-    """
+    """Return the capacity of every state and part of a swept movement, in its increments, and the worst point."""
     project, models = statics.project, statics.models
     variants = {
         (whole.name, k): variant(
@@ -204,10 +197,7 @@ def part(whole: SettlementTable, share: float) -> SettlementTable:
 
 
 def worst(points: Sequence[studies.ScenarioPoint], by: str) -> studies.ScenarioPoint | None:
-    """Return the settled point with the lowest capacity; if some collapse, the one with the shortest movement.
-
-    `by`: the quantity that capacities are compared by. None where no settled point has a capacity.
-    """
+    """Return the settled point of least capacity `by`, or of the fallen ones the shortest movement; None: unknown."""
     settled = [point for point in points if point.state != ORIGINAL]
     fallen = [point for point in settled if point.collapses]
     if fallen:
@@ -232,10 +222,9 @@ NAMES = {
 
 
 def sensitivity(statics: Statics, study: Study) -> studies.Sensitivity:
-    """Analyse every state with each property lower and higher; return two runs for each property, state and direction.
+    """Analyse every state with each property lower and higher, in its increments, without a search for collapse.
 
-    They have the increments of the state, and no search for collapse: only the property differs. Raises ProjectError or
-    DrawingError where a model cannot be built.
+    Raises ProjectError or DrawingError where a model cannot be built.
     """
     project, halvings = statics.project, statics.halvings
     asked = known(project.sensitivity)
@@ -269,11 +258,7 @@ def sensitivity(statics: Statics, study: Study) -> studies.Sensitivity:
 
 
 def without_effect(project: Project) -> set[str]:
-    """Return the properties to which all forces are proportional, so that no capacity depends on them.
-
-    The depth is one unless loads, or ties, are given in kN; the unit weight is one if joints neither are elastic nor
-    crush.
-    """
+    """Return properties of no effect: depth without loads or ties, unit weight where joints are rigid, do not crush."""
     loads = any(part.vertical_load_kN or part.variable_load_kN for part in project.parts.values())
     if loads or project.tie:
         return set()

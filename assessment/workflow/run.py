@@ -1,7 +1,4 @@
-"""A run from the project to the output folder, some of its stages, and the report of stored results.
-
-Imports are late: a run in which nothing has changed needs neither the analyses nor the figures.
-"""
+"""A run, from project to output folder, and the report again; imports are late: what has not changed needs few."""
 
 from __future__ import annotations
 
@@ -94,10 +91,9 @@ def _files(folder: Path) -> list[str]:
 def write(
     results: Results, folder: Path, report: bool = True, jobs: int = 1, attachments: Sequence[Path] = ()
 ) -> list[str]:  # fmt: skip
-    """Write all that is made of results into `folder`, with the `report` or without; files of earlier results go.
+    """Write all that is made of results into `folder`, for that of earlier ones; a judgement that was edited is kept.
 
-    A judgement.md that was edited is kept. Return warnings. `jobs`: processes, 0: one per core; `attachments`: pictures
-    that end the report. Raises KilledError, or OSError that names a file; the folder is then unchanged.
+    `jobs`: processes, 0: one per core. Raises KilledError, or OSError that names a file; all is then unchanged.
     """
     from assessment.report.chapters.judgement import NAME
     from mechanics.messages import message
@@ -163,10 +159,7 @@ def _version(path: Path) -> tuple[int, int] | None:
 
 
 def select(project: Project, only: Iterable[str] | None) -> Project:
-    """Return the project with only some of its stages, and what these need.
-
-    Raises ProjectError for a stage that does not exist, or where the project has none of them.
-    """
+    """Return the project with some of its stages, and what these need. Raises ProjectError for none of them."""
     if only is None:
         return project
     wanted = list(only)
@@ -234,10 +227,7 @@ def carry_out(
 
 
 def print_again(project: Project, folder: Path) -> list[str]:
-    """Render everything again from the results in `folder`, with the title page of the project; return warnings.
-
-    Raises ValueError for results that are missing or cannot be printed (damaged, of another version), BusyError.
-    """
+    """Render all from stored results, the title page of the project; return warnings. Raises ValueError, BusyError."""
     from assessment.report.chapters.judgement import told
     from assessment.results.schema import read_results
     from mechanics.messages import message

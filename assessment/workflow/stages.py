@@ -67,8 +67,7 @@ def run(
 class Draft:
     """The results of a run while its stages add to them; `finished` returns them.
 
-    `seconds`: computing time by stage; `errors`, `search_errors`: estimated errors of paths and of the PGA at collapse;
-    `complete`: whether every analysis that was asked for was completed.
+    `seconds` by stage; estimated `errors` of paths and searches; `complete`: whether all analyses asked for were.
     """
 
     read: Checked
@@ -277,10 +276,7 @@ def _add_dynamics(draft: Draft, stages: Iterable[StateResult], scans: Scans) -> 
 
 
 def _add_studies(draft: Draft, statics: Statics, scans: Scans) -> None:
-    """Fit, compare, vary and run the campaign, each where asked for.
-
-    Raises ProjectError for a property without a model.
-    """
+    """Fit, compare, vary and run the campaign, each where asked for. Raises ProjectError without a model."""
     project, workers, settling = draft.project, scans.workers, draft.models[ORIGINAL].settling
     made: tuple[tuple[str, object, Callable[[Study], Any]], ...] = (  # what asks for each
         ("identification", project.identification, partial(identification, project, settling, workers)),

@@ -1,7 +1,4 @@
-"""What templates are made of: masonry as closed polygons (n, 2) in m by drawing layer, and the project file.
-
-z = 0 is at the foot of the masonry. Rings have chords between radial joints: neighbours share their edges exactly.
-"""
+"""What templates are made of, z = 0 at the foot: closed polygons (n, 2) m by layer; radial joints shared exactly."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -24,10 +21,9 @@ MOST_COURSES = 100  # of a wall, whose blocks are cut one by one
 
 @dataclass(frozen=True)
 class Ring:
-    """Arch of equal voussoirs: its dimensions, springing level and centre line (m).
+    """Arch of equal voussoirs: dimensions, springing level, centre line (m); above half the span it is pointed.
 
-    Up to half the span the intrados is one circular arc; a higher rise makes it pointed, two arcs whose centres lie on
-    the springing. Raises ValueError for one voussoir, and an odd number in a pointed arch, whose crown is a joint.
+    A pointed one has two centres, on the springing, and a joint at the crown. Raises ValueError.
     """
 
     span_m: Annotated[float, "clear span"]
@@ -130,8 +126,7 @@ def courses(z0: float, z1: float, height: float, key: str = "course_height_m") -
 def fitted(cells: Iterable[Array], region: Polygon, thinnest: float = THINNEST) -> list[Array]:
     """Return the cells (n, 2) m cut to a region without gap or overlap; what is thinner (m) is joined to a neighbour.
 
-    Symmetric cells in a symmetric region stay symmetric: of neighbours that share equally much with a sliver
-    the one nearer the axis takes it, or both where it stands on the axis itself.
+    Symmetric cells stay so: of equal neighbours the one nearer the axis takes it, both where it stands on the axis.
     """
     # of a cell that only touches the region a plain overlay may give the whole: one on a grid does not
     inside = [each for each in map(Polygon, cells) if intersection(each, region, grid_size=1e-9).area > 1e-9]
@@ -204,10 +199,7 @@ def project(
     control: Mapping[str, tuple[float, float]], increment: float,
     settlements: Sequence[Mapping[str, Any]] = (), **tables: Any,
 ) -> dict[str, Any]:  # fmt: skip
-    """Return a project file; `stone`: kN/m³, tangent of friction, kN/m³ of joints; `increment` (m) of the pushover.
-
-    `control`: points (m) by name, of two each followed where it goes ahead; `tables`: others, [assessment] adds.
-    """
+    """Return a project file of `stone` (kN/m³, tangent, kN/m³), control points (m), `increment` (m), other `tables`."""
     ahead = sorted(control, key=lambda name: -control[name][0])
     pushover: dict[str, Any] = {"contacts": ["rigid", "elastic"], "directions": ["+x", "-x"]}
     pushover["increment_m"] = increment

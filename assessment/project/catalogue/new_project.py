@@ -1,7 +1,4 @@
-"""A new project folder: from a template, a function of its dimensions, from an example, or from one's own drawing.
-
-Of a drawing unit, supports and layers that are no masonry are proposed, the rest is named.
-"""
+"""A new project folder: from a template, an example, or one's own drawing, of which unit and supports are proposed."""
 
 import inspect
 import re

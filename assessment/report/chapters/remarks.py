@@ -1,7 +1,4 @@
-"""Sentences that chapters have where the results call for them: assumptions, limits, curves, ties, identification.
-
-The template calls each by its name: `said.onsets`.
-"""
+"""Sentences that chapters have where the results call for them; the template calls each by name: `said.onsets`."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -155,10 +152,7 @@ def missing_pushovers(results: Results, words: Words) -> Sentences:
 
 
 def onsets(results: Results, words: Words) -> Sentences:
-    """Yield a sentence for each curve that begins, at `alpha_onset`, by closing hinges of the settlement.
-
-    As drawn there are none; blocks that meet others are a warning.
-    """
+    """Yield a sentence for each settled curve that begins, at `alpha_onset`, by closing hinges of the settlement."""
     for name, direction, rigid in sorted(hand_check.mechanisms(results), key=lambda each: each[1]):
         if name == ORIGINAL or rigid.alpha_onset >= (1.0 - ONSET) * rigid.alpha_0:
             continue
@@ -337,10 +331,7 @@ def identified(results: Results, words: Words) -> Sentences:
 
 
 def ready_lines(results: Results, words: Words) -> str:
-    """Return the lines of the best movement for the project file, none where there are none.
-
-    A comment heads those of a movement that does not explain the measurements.
-    """
+    """Return the best movement as lines for the project file, under a comment where it explains nothing."""
     found = results.identification
     best = best_of(found) if found else None
     if found is None or best is None or not found.settlements:

@@ -35,10 +35,7 @@ PANELS = 4  # in one figure
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure of the report: file stem, section, how to draw it, key and fields of its caption.
-
-    `full`: printed in full annexes only; its files are there in any case.
-    """
+    """A figure: file stem, section, how to draw it, key and fields of its caption; `full`: printed in full annexes."""
 
     name: str
     section: str
@@ -49,10 +46,7 @@ class Picture:
 
 
 def write_figures(pool: Pool, folder: Path) -> list[Path]:
-    """Write every figure of the results that the pool holds as SVG into the folder; return paths in their order.
-
-    The same bytes for the same results.
-    """
+    """Write every figure of the results that the pool holds as SVG, reproducibly; return paths in their order."""
     return [result_of(path) for path in _drawn(pool, folder, save_svg, "svg")]
 
 
@@ -178,10 +172,9 @@ HINGE_RADIUS = 0.008  # of the model's size
 
 
 def write_deformed(results: Results, path: Path) -> None:
-    """Write a DXF in metres: the drawing and, for every state, each deformed shape, hinges, lines of thrust.
+    """Write a DXF in metres, reproducibly: the drawing and, for every state, deformed shapes, hinges, lines of thrust.
 
-    Layers are DRAWN and NUMBER_STATE_WHAT, the state numbered and named as in the names of the figures. True scale, but
-    for mechanisms, whose virtual displacements have none. The same bytes for the same results.
+    Layers are DRAWN and NUMBER_STATE_WHAT, as in the names of figures. True scale, but for mechanisms.
     """
     with reproducible():
         drawing = new("R2010")

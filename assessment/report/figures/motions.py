@@ -96,10 +96,7 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
 
 
 def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figure:
-    """Draw a state at its largest control displacement under a record and at collapse or at the end, to true scale.
-
-    Where it collapses, the largest is that from which it still came back.
-    """
+    """Draw a state at its largest sustained displacement under a record and at collapse or the end, to true scale."""
     entry = moving(results, known(results.motions)[index].name)[state]
     shape = outlines(results)
     start = shape.moved(results.states[state].configuration)
@@ -204,10 +201,7 @@ def _curve(
 
 
 def draw_fragility(_: Results, words: Words, of: Sequence[Shaken]) -> Figure:
-    """Draw the probability of collapse over the measure: lognormal curves with their 95 % bounds.
-
-    Circles: the levels of 50 % that they are fitted to, or the shares that collapse at each of the stripes.
-    """
+    """Draw P of collapse over the measure with 95 % bounds; circles: levels of 50 %, or shares of the stripes."""
     from scipy.special import ndtr  # late: few reports need it, and it takes long to import
 
     measure = label("pga_g", words)

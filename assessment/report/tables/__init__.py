@@ -1,7 +1,4 @@
-"""The tables of the report and of the CSV files, each entered under its name with its columns.
-
-A row is what it has of its own, such as state and direction, and the part of the results that fills its other columns.
-"""
+"""The tables, each under its name with its columns; a row is what it has of its own, and the part of the rest."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, is_dataclass

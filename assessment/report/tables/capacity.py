@@ -59,10 +59,7 @@ def summary(results: Results) -> Found:
     f"state direction limit_state {VERIFICATION.replace('return', '?return')} reduction mechanism",
 )
 def verification(results: Results) -> Found:
-    """List the checks of every state and direction: what each limit state bears and what governs it.
-
-    Null: there is no capacity to check, in a direction that was asked for. `reduction`: of a_g from the original state.
-    """
+    """List the checks of every state and direction, null: no capacity; `reduction`: of a_g from the original state."""
     found = [check for _, _, each in capacities(results) for check in each.checks.values()]
     known = any(check.return_period_years for check in found)  # by the hazard curve
     columns = [key for key in VERIFICATION.split() if known or key != "return_period_years"]
@@ -129,10 +126,7 @@ def chosen_checks(results: Results) -> Found:
     "state direction limit_state mechanism alpha_onset e_star a_0_star_g demand_a_star_g ratio verified",
 )
 def linear_checks(results: Results) -> Found:
-    """List the linear kinematic checks, of mechanisms found and chosen: a_0* against a_g S/q, or a_Z/q at height.
-
-    They are of the mechanism that is activated first, in the configuration of its state.
-    """
+    """List linear checks of what is activated first, found and chosen: a_0* against a_g S/q, or a_Z/q at height."""
     activated: list[tuple[str, Direction, str, Capacity | GivenMechanism]] = []
     for name, direction, capacity in capacities(results):
         pushed, count = results.states[name].pushover.get(direction), capacity.mechanism
@@ -150,10 +144,7 @@ def linear_checks(results: Results) -> Found:
 
 
 def calculations(results: Results) -> Iterator[tuple[str, str, str, list[Line]]]:
-    """Yield state, direction and part of every calculation with its steps; of a mechanism "name: part".
-
-    "capacity" is what the checks of a direction share.
-    """
+    """Yield state, direction, part and steps of every calculation; "capacity": shared by the checks of a direction."""
     for limit, demand in (results.spectra or {}).items():
         yield "", "", f"spectrum {limit}", demand.trace or []
     found: list[tuple[str, str, str, Capacity | GivenMechanism]] = []
@@ -186,10 +177,7 @@ def trace(results: Results) -> Found:
 
 
 def _indices(results: Results, columns: str) -> Iterator[Row]:
-    """Yield the indices of every state; what is not known for want of a return period is left out.
-
-    Null: the state has no capacity in a direction.
-    """
+    """Yield the indices of every state, as far as known; null: no capacity in a direction."""
     known = {
         name: present(cells(found, columns.split())) for name, found in determined_indices(results).items()
     }
@@ -204,10 +192,7 @@ risk = table("risk", f"state {RISK}")(lambda results: _indices(results, RISK))
 
 @table("interventions", "state use_class intervention ?zeta_before zeta_SLV required_zeta ?attained")
 def interventions(results: Results) -> Found:
-    """List ζ_E of every state and what each kind of intervention must reach (NTC 2018, §8.4).
-
-    Of a strengthened state that follows from ζ_E before, and `attained` tells whether it is reached.
-    """
+    """List ζ_E and what each kind of intervention must reach (NTC 2018, §8.4); of strengthened states if it does."""
     known = determined_indices(results)
     for name in _states(results):
         if found := known.get(name):

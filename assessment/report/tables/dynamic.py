@@ -82,10 +82,7 @@ def motions(results: Results) -> Curves:
 
 @dataclass(frozen=True)
 class Shaken:
-    """A state that was shaken: its fragility and loss, and every record and sign.
-
-    Of a `campaign` `state` names the movement, of which it is a `share`; else it is one of [incremental].
-    """
+    """A `state` (a movement, of a `campaign`) that was shaken: fragility, loss, every record and sign; its `share`."""
 
     state: str
     fit: parts.Fragility
@@ -193,8 +190,7 @@ def losses(results: Results) -> Found:
 def static_dynamic(results: Results) -> Found:
     """Set static check, incremental analysis and campaign of each state on one reference: PGA at the surface, F_C = 1.
 
-    The level of 50 % is the median of the fragility, and the loss of motions that of these levels, of each record by
-    itself. `over_static` is over the least static capacity of the state.
+    Losses of motions are of 50 % levels, record by record; `over_static`: over the least static capacity.
     """
     original = results.states.get("original")
     for name, state in results.states.items():
@@ -279,8 +275,7 @@ LONGEST = 60  # characters of an identifier; they are letters and digits of ASCI
 def fragility_model(results: Results) -> bytes | None:
     """Return a fragility model (NRML 0.5) of the states of [incremental] and the movements of the campaign, if any.
 
-    Mean and standard deviation are those of the measure (g), median · exp(β²/2) and mean · √(exp β² − 1), as OpenQuake
-    takes them. A fragility without β, or with one above WIDEST, is left out.
+    Mean median·exp(β²/2), deviation mean·√(exp β² − 1) of the measure (g), as OpenQuake; none of β above WIDEST.
     """
     functions = []
     for number, each in enumerate(shaken(results), 1):

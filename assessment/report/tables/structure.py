@@ -1,7 +1,4 @@
-"""Tables of the structure: blocks, layers, loads, movements of supports, ties, joints that are pressed most, cracks.
-
-Cracks of settled states: joints that a movement opened or made slide, beside those that were surveyed.
-"""
+"""Tables of the structure: blocks, layers, loads, movements, ties, pressures; cracks calculated and surveyed."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -43,10 +40,7 @@ quality = table("quality", f"state stage solves {' '.join(WORST)}")(lambda resul
 
 @table("strengthening", STRENGTHENING)
 def strengthening(results: Results) -> Found:
-    """List the capacities of each strengthened state and direction below those of the state before; `of`: its name.
-
-    The limit state of ζ_E is SLV (NTC 2018, §8.3), the farthest one where it was not checked.
-    """
+    """List capacities of strengthened states below those of the state before, `of`; ζ_E at SLV (§8.3) or farthest."""
 
     def measured(row: SummaryRow) -> Row:
         capacity = results.states[row.state].capacity.get(row.direction) if row.direction else None
@@ -165,11 +159,7 @@ def tie_strength(results: Results) -> dict[str, float | None]:
 
 @table("shaken_ties", "tie state record greatest_kN time_of_greatest_s yields lengthening_m")
 def shaken_ties(results: Results) -> Found:
-    """List the greatest tension of every tie in every motion.
-
-    Of a tie that yields it is the yield force: the instants that are kept may lie beside the one at which it does, and
-    then that is not known.
-    """
+    """List the greatest tension of every tie in every motion; when is not told where it yields between two frames."""
     for name, state in results.states.items():
         for entry in state.history:
             for each in entry.ties or ():
@@ -182,10 +172,7 @@ def shaken_ties(results: Results) -> Found:
 
 
 def tie_demands(results: Results) -> Table:
-    """List the greatest tension of every tie, its share of the yield force, and the pressure below square plates.
-
-    Bar, anchorage and masonry below the plate are for the engineer to check against these.
-    """
+    """List greatest tension, share of the yield force and pressure below square plates of every tie, to be checked."""
     greatest: dict[str, Row] = {}
     for each in [*tie_tensions(results).rows, *shaken_ties(results).rows]:
         force, most = each["greatest_kN"], greatest.get(each["tie"])
@@ -202,10 +189,9 @@ def tie_demands(results: Results) -> Table:
 
 @dataclass(frozen=True)
 class EdgePressure:
-    """The greatest edge pressure of a joint, and in which state, towards where and with which joints it was found.
+    """The greatest edge pressure of a `joint` (None: faces that met) between two blocks, and where it was found.
 
-    `joint`: its number in the drawing, None for a pair of faces that met as blocks moved; `block_a`, `block_b`: the
-    blocks that it lies between; `direction`: of the push, None at rest. Without a strength both pressures are the same.
+    `direction` of the push, None at rest. Without a strength both pressures are the same.
     """
 
     joint: int | None
@@ -219,11 +205,7 @@ class EdgePressure:
 
 
 def edge_pressures(results: Results) -> list[EdgePressure]:
-    """Return the greatest edge pressure of every joint, the greatest first.
-
-    Over the states at rest and the peaks of the pushover curves with elastic joints, as far as there are any: in a
-    rigid mechanism hinges press without bound.
-    """
+    """Return the greatest edge pressure of joints, greatest first: at rest, and elastic peaks where there are any."""
     situations = list(loaded(results))
     elastic = [each for each in situations if each.contacts == "elastic"]
     drawn = len(results.geometry.joints)
@@ -248,10 +230,7 @@ def printed(results: Results) -> int:
 
 
 def reported_pressures(results: Results) -> Table:
-    """Return the joints that are pressed most; without the pressures of no crushing where no joint crushes.
-
-    No rows where the greatest has no bound, as in the hinges of rigid joints.
-    """
+    """Return the joints pressed most; no rows where the greatest has no bound, as in hinges of rigid joints."""
     found, left_out = edge_pressure_table(results), () if crushes(results) else ("uncrushed_pressure_kN_m2",)
     rows = found.rows[: printed(results)] if bounded(edge_pressures(results)) else []
     return without(Table(found.name, [*map(present, rows)], found.columns), *left_out)
@@ -276,10 +255,9 @@ SAMPLES = np.linspace(0.05, 0.95, 11)  # along a line that was drawn: where its 
 
 @dataclass(frozen=True)
 class Crack:
-    """A joint of a settled state, between `block_a` and `block_b`, that opened or slipped by more than `SEEN`.
+    """A joint of a settled state, between two blocks, that opened or slipped by more than `SEEN`.
 
-    `opening_m` is that of the end that opens more, at (x_m, z_m) in the settled state; `slip_m` is without a sign, as a
-    survey has it; None: the faces have slid off each other.
+    `opening_m` of the wider end, at (x_m, z_m) there; `slip_m` has no sign; None: the faces have slid off each other.
     """
 
     state: str

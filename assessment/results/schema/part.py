@@ -99,10 +99,7 @@ def plain_value(annotation: Any) -> bool:
 
 
 class Part(pydantic.BaseModel):
-    """A table of results.json. A missing optional key was not asked for; null was asked for and not reached.
-
-    Both are None as attributes; `cells` of assessment/results/table.py prints them differently.
-    """
+    """A table of results.json. Keys are missing where not asked for, null where not reached: None as attributes."""
 
     model_config = pydantic.ConfigDict(
         strict=True, extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True
@@ -116,18 +113,14 @@ class Part(pydantic.BaseModel):
                 enter(name, field.annotation, extra)
 
     def replace(self, **values: Any) -> Self:
-        """Return the part with other values of some keys, or with keys that it did not have.
-
-        Raises pydantic's ValidationError for a key that is not described, or a value of another type.
-        """
+        """Return the part with other values of keys, or more keys. Raises ValidationError for unknown keys, types."""
         return type(self)(**{name: getattr(self, name) for name in self.model_fields_set} | values)
 
 
 def key(meaning: str, label: str = "", *, alias: str | None = None, **look: Any) -> Any:
     """Describe a key that is always there; its unit is that of its name, – of other numbers, or `unit`.
 
-    `label`: what the quantity is called in headings, in Italian and English ("Picco|Peak") or in both alike ("d_0*");
-    of a quantity that several tables have in one of them. `look`: see Quantity.
+    `label`: in headings, "Italian|English", or alike in both; of a shared quantity in one table. `look`: see Quantity.
     """
     return pydantic.Field(description=meaning, alias=alias, json_schema_extra=named(label, **look))
 
