@@ -186,7 +186,7 @@ class ElasticSpectrum:
 
 @dataclass(frozen=True, eq=False)
 class RecordSpectrum:
-    """Spectrum of a record, `acceleration_g` (n,) g at steps of `time_step` (s), by response_spectrum; ValueError."""
+    """Response spectrum of a record, `acceleration_g` (n,) in g at steps of `time_step` (s). Raises ValueError."""
 
     acceleration_g: ArrayLike
     time_step: float
