@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
@@ -173,19 +173,23 @@ def state_indices(
     if assessment is None or assessment.site is None or assessment.spectrum == "record":
         return None
     # at SLV the linear check stands in for a nonlinear one without a number; None if a direction has neither
-    at_life = {direction: indices(each) for direction, each in _at(capacities, "SLV", "SLV linear").items()}
+    at_life = {
+        way: {name: ratio for name, ratio in indices(each.ratios).items() if name != "SLC"}
+        for way, each in capacities.items()
+    }
     if (life := _least(at_life)) is None or not all(at_life.values()):
         return None
-    zeta, check = life.ratio, capacities[life.direction].checks[life.limit_state]
-    damage, collapse = _least(_at(capacities, "SLD", "SLD elastic")), _least(_at(capacities, "SLC"))
-    T_SLD = capacities[damage.direction].checks[damage.limit_state].return_period_years if damage else None
+    (zeta, direction, name), ratios = life, {way: each.ratios for way, each in capacities.items()}
+    check = capacities[direction].checks[name]
+    damage, collapse = _least(ratios, "SLD", "SLD elastic"), _least(ratios, "SLC")
+    T_SLD = capacities[damage[1]].checks[damage[2]].return_period_years if damage else None
     use_class, T_R = assessment.site.use_class, demand_return_periods(project).get("SLV")
     T_SLV = check.return_period_years
     a_g, demanded = known(check.a_g_g), check.demand_a_g_g
     made = as_part(
         parts.Indices, tables.heritage_and_risk_indices(a_g, demanded, zeta, use_class, T_SLV, T_R, T_SLD),
-        direction=life.direction, check=life.limit_state, zeta_SLV=zeta, zeta_SLC=collapse.ratio if collapse else None,
-        ratio_SLD=damage.ratio if damage else None, T_SLV_years=T_SLV,
+        direction=direction, check=name, zeta_SLV=zeta, zeta_SLC=collapse[0] if collapse else None,
+        ratio_SLD=damage[0] if damage else None, T_SLV_years=T_SLV,
         T_SLV_stated=check.return_period_stated, T_R_SLV_years=T_R, use_class=use_class,
         required_zeta=tables.required_zeta(zeta, use_class),
     )  # fmt: skip
@@ -214,25 +218,9 @@ def confidence_source(assessment: AssessmentTable | None) -> str:
     return confidence_factor(knowledge.level, knowledge.components).paragraph
 
 
-class _Least(NamedTuple):
-    """The least ratio of some checks, and of which direction and check it is."""
-
-    ratio: float
-    direction: parts.Direction
-    limit_state: str
-
-
-def _least(ratios: Mapping[parts.Direction, Mapping[str, float]]) -> _Least | None:
-    """Return the least of the ratios by direction and check; None where there is none."""
-    each = (_Least(ratio, way, check) for way, checks in ratios.items() for check, ratio in checks.items())
-    return min(each, default=None)
-
-
-def _at(
-    capacities: Mapping[parts.Direction, parts.Capacity], *limit_states: str
-) -> dict[parts.Direction, dict[str, float]]:
-    """Return the ratios of the checks of these names."""
-    return {
-        direction: {name: ratio for name, ratio in each.ratios.items() if name in limit_states}
-        for direction, each in capacities.items()
-    }
+def _least(
+    ratios: Mapping[parts.Direction, Mapping[str, float]], *checks: str
+) -> tuple[float, parts.Direction, str] | None:
+    """Return the least of the ratios (of some checks alone), its direction and check; None where there is none."""
+    each = ((ratio, way, name) for way, own in ratios.items() for name, ratio in own.items())
+    return min((found for found in each if not checks or found[2] in checks), default=None)

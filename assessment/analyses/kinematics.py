@@ -107,17 +107,13 @@ def _macro_block(k: int, part: RotatingBlocks, model: Assembly, positions: Array
     x, z = positions[part.blocks, :2].T
     W, P, (x_C, z_C), theta = float(weight.sum()), float(seismic.sum()), part.about.tolist(), part.rotation
     x_G, z_G = float(weight @ x / W), float(seismic @ z / P)
+    J = float(seismic @ (z - z_G) ** 2)
     return [
         datum(f"W_{k}", W, "kN", "macro-block: weights and vertical loads"),
         datum(f"x_G_{k}", x_G, "m", "macro-block: where W acts"),
         datum(f"P_{k}", P, "kN", "macro-block: weights that are seismic mass"),
         datum(f"z_G_{k}", z_G, "m", "macro-block: where P acts"),
-        datum(
-            f"J_{k}",
-            float(seismic @ (z - z_G) ** 2),
-            "kN·m²",
-            "macro-block: sum of P (z - z_G)² over centroids",
-        ),
+        datum(f"J_{k}", J, "kN·m²", "macro-block: sum of P (z - z_G)² over centroids"),
         datum(f"x_C_{k}", x_C, "m", "given: centre of rotation"),
         datum(f"z_C_{k}", z_C, "m", "given: centre of rotation"),
         datum(f"theta_{k}", theta, "", "given: virtual rotation, anticlockwise positive"),
@@ -175,9 +171,7 @@ class Hinge(NamedTuple):
 def hinges_of(chosen: Chosen, closed: Closed) -> list[Hinge]:
     """Return the centres of relative rotation that lie on a closed joint between the two macro-blocks."""
     owner = {int(block): k for k, part in enumerate(chosen.parts) for block in part.blocks}
-    joints = defaultdict[tuple[int, ...], list[Array]](
-        list
-    )  # ends of the closed ones by their macro-blocks, still: −1
+    joints = defaultdict[tuple[int, ...], list[Array]](list)  # their ends by macro-blocks, still: −1
     for a, b, ends in zip(*closed, strict=True):
         joints[tuple(sorted({owner.get(int(a), -1), owner.get(int(b), -1)}))].append(ends)
     largest = max(abs(part.rotation) for part in chosen.parts)

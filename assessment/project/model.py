@@ -15,18 +15,10 @@ from assessment.project.project import Project
 from assessment.project.schema import StrengtheningTable, TieTable
 from assessment.runtime.errors import ProjectError, nearest
 from assessment.runtime.files import write_atomically
-from mechanics import Assembly, DrawingError, State, Tie
+from mechanics import Assembly, DrawingError, Layer, State, Tie
 from mechanics.errors import Fault, FaultyDrawingError
 from mechanics.messages import Message, headed, layer_key, message
-from mechanics.model import (
-    Layer,
-    V,
-    default_tolerance,
-    end_gaps,
-    repair_drawing,
-    survey_drawing,
-    survey_layout,
-)
+from mechanics.model import V, default_tolerance, end_gaps, repair_drawing, survey_drawing, survey_layout
 from mechanics.types import Array
 
 

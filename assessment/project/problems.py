@@ -56,13 +56,6 @@ def project_error(
     return ProjectError("\n".join(lines))
 
 
-def _homes(path: kinds.KeyPath) -> list[str]:
-    """Return the tables that have a key that does not exist in its own; none where the unit of one here is left out."""
-    if any(each.startswith(f"{path[-1]}_") for each in keys_at(path[:-1])):
-        return []
-    return [f"[{entry[0]}]" for entry in entries_of(ProjectContent) if path[-1] in keys_at(entry)]
-
-
 def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[kinds.Problem]:
     """Return what is wrong in `content` for each of pydantic's errors, alternatives of a value joined."""
     expected: dict[kinds.KeyPath, list[str]] = {}
@@ -74,7 +67,10 @@ def schema_problems(error: ValidationError, content: Mapping[str, Any]) -> list[
         value = detail["input"]
         parts = value if path[-1:] == ("region_m",) and isinstance(value, list) else [value]
         if kind == "extra_forbidden":
-            homes, names = _homes(path), (str(path[-1]), keys_at(path[:-1]))
+            key, names = path[-1], (str(path[-1]), keys_at(path[:-1]))
+            homes = [f"[{entry[0]}]" for entry in entries_of(ProjectContent) if key in keys_at(entry)]
+            if any(each.startswith(f"{key}_") for each in names[1]):  # its unit is left out
+                homes = []
             remedy = f"it is a key of {' and '.join(homes)}" if homes else nearest(*names)
             problems[path] = f"unknown key; {remedy}"
             meant |= {(*path[:-1], each) for each in alike(*names) if not homes}

@@ -10,18 +10,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from assessment.report.figures.drawing import (
-    DASHES,
-    chart,
-    comma_ticks,
-    draw_ties,
-    ghost_handle,
-    key,
-    legend,
-    sheet,
-    state_style,
-    tie_handles,
-)
+from assessment.report.figures import drawing as parts
+from assessment.report.figures.drawing import DASHES, chart, key, legend, sheet, state_style
 from assessment.report.language import COARSE, Words, label, scale
 from assessment.report.tables.dynamic import Shaken
 from assessment.results.frames import tie_ends
@@ -113,8 +103,10 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
         axes.set_title(words.plain(f"figure.{kind}", time=time))
         ghost(axes, start)
         fill_roles(axes, view)
-        draw_ties(page, axes, tie_ends(results, state, at))
-    page.legend([ghost_handle(words.plain("figure.at_rest")), *tie_handles(results, words, state)], words)
+        parts.draw_ties(page, axes, tie_ends(results, state, at))
+    page.legend(
+        [parts.ghost_handle(words.plain("figure.at_rest")), *parts.tie_handles(results, words, state)], words
+    )
     return page.figure
 
 
@@ -177,7 +169,7 @@ def draw_ida(results: Results, words: Words, of: Sequence[Shaken]) -> Figure:
         if fit.d_0_m:  # a second axis inside the upper edge: displacements over d_0
             beside = axes.twiny()
             beside.set_xlim(0.0, reach / mm / fit.d_0_m)
-            comma_ticks(beside, words)
+            parts.comma_ticks(beside, words)
             beside.grid(visible=False)
             beside.tick_params(top=False, pad=-9.0, labelsize="x-small", colors="0.4")
             beside.annotate("d/d₀", (0.99, 0.90), xycoords="axes fraction", ha="right", fontsize="x-small")

@@ -17,12 +17,8 @@ Configuration = list[list[float]]
 """Of each block: displacement x, z (m) and rotation (rad) from the drawing."""
 
 
-def _kept(value: Any, checked: pydantic.ValidatorFunctionWrapHandler) -> Any:
-    """Return a string as it is: of a message (a kind of string) pydantic makes a plain one."""
-    return value if isinstance(value, str) else checked(value)
-
-
-Sentence = Annotated[str, pydantic.WrapValidator(_kept)]
+# of a message, a kind of string, pydantic by itself would make a plain one
+Sentence = Annotated[str, pydantic.WrapValidator(lambda x, checked: x if isinstance(x, str) else checked(x))]
 """A sentence for people; a message keeps what it is made of."""
 
 
