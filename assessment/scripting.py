@@ -36,7 +36,6 @@ AGREE = 0.05  # of two motions of an ensemble, relative: they are the same
 
 @cache
 def _builder(template: str) -> Callable[..., Assembly]:
-    """Return the function that makes the structure of a template from its dimensions."""
 
     def build(
         *, material: Material | None = None, depth_m: float | None = None, **dimensions: float

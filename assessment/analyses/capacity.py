@@ -201,7 +201,6 @@ def _by_law(
 
 
 def _apart(checks: Mapping[str, parts.Check], others: Mapping[str, parts.Check]) -> list[Message]:
-    """Return the checks whose ratios by two laws differ by more than TOLD."""
     pairs = ((name, check.zeta_E, others[name].zeta_E) for name, check in checks.items() if name in others)
     return [
         message("{check} has the ratio {other:.3g}, not {own:.3g}", check=name, other=other, own=own)

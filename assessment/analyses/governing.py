@@ -134,7 +134,6 @@ def shaken_corners(model: Assembly, seed: int) -> Assembly:
 
 
 def _faces(model: Assembly) -> Counter[tuple[int, int]]:
-    """Return how many joints there are between two blocks."""
     return Counter(zip(model.joints.a.tolist(), model.joints.b.tolist(), strict=True))
 
 

@@ -131,7 +131,6 @@ def histories(
 
 
 def _run(inputs: time_history.MotionInputs, wanted: Sequence[tuple["HistoryStudy", int, int]]) -> None:
-    """Run members of studies side by side."""
     done = inputs.histories([(study.at(level, member),) for study, level, member in wanted])
     for (study, level, member), found in zip(wanted, done, strict=True):
         study.members.setdefault(level, {})[member] = found

@@ -116,7 +116,6 @@ def local_loss(
 
 
 def _broken(model: Assembly, states: Sequence[State], displacement: Array) -> Iterator[LocalLoss]:
-    """Yield the ties that break along a path."""
     none = np.zeros(len(model.ties))
     longer = np.array([none if state.lengthened is None else state.lengthened for state in states])
     for tie, blocks, yielded in zip(model.ties, model.tie_blocks.tolist(), longer.T, strict=True):

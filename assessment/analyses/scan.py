@@ -194,7 +194,6 @@ class _Lattice:
         return min(self.pga * self.ratio**place, self.largest)
 
     def falls(self, place: float) -> bool:
-        """Whether the structure falls at a place."""
         if place not in self.peaks:
             self.peaks[place] = self.peak(self.level(place))
         return self.peaks[place] == math.inf
@@ -211,7 +210,6 @@ class _Lattice:
             missing = next((each for each in (*below, *above) if each not in self.peaks), None)
 
     def those(self, fell: bool) -> list[float]:
-        """Places at which the structure falls, or stands."""
         return [place for place in self.peaks if self.falls(place) is fell]
 
     def suspected(self) -> float | None:

@@ -108,7 +108,6 @@ _folder = _named(Path, "the name of a folder")
 
 
 def _whole(what: str, least: int, most: float) -> Callable[[str], int]:
-    """Return what reads a whole number."""
 
     def read(text: str) -> int:
         if not text.isdecimal() or not least <= int(text) <= most:

@@ -67,12 +67,10 @@ class _OnGround:
 
     @property
     def ag(self) -> float:
-        """a_g at the ground, g."""
         return self.ground.ag
 
     @property
     def S(self) -> float:
-        """S at the ground."""
         return self.ground.S
 
     def with_damping(self, damping: float) -> Self:

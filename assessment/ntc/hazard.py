@@ -58,7 +58,6 @@ class _File:
     rows: list[tuple[int, list[str]]]
 
     def error(self, text: str, line: int | None = None) -> HazardError:
-        """Return what is wrong in the file, or in one of its lines."""
         return HazardError(f"{self.path}: {text}" if line is None else f"{self.path}: line {line}: {text}")
 
     def numbers(self, columns: int, meaning: str, numbered: bool = True) -> Array:

@@ -221,7 +221,6 @@ def _check(
     limit_state: str, solved: Solved, capacity: CapacityCurve, spectrum: Spectrum, method: Method,
     kind: CheckMethod,
 ) -> Check:  # fmt: skip
-    """Return the check of a solution against the demand."""
     a_g, S = solved.a_g, solved.base.S
     demand, reference, S_demand = _demand(limit_state, spectrum, method)
     given = limit_state in method.site_acceleration

@@ -85,7 +85,6 @@ def _region_at(project: Project, outlines: Sequence[Polygon], block: Block) -> s
 
 
 def _bonded(project: Project, regions: Sequence[Polygon], blocks: Sequence[Block]) -> list[Block]:
-    """Return the blocks with every outline that has a bond cut into blocks."""
     within = [_region_at(project, regions, block) for block in blocks]
     tables = [table_of(project, block.layer, region) for block, region in zip(blocks, within, strict=True)]
     shapes = [Polygon(block.polygon) for block in blocks]

@@ -103,7 +103,6 @@ def _bar(project: Project, model: Assembly, table: TieTable) -> Tie:
 
 
 def _with_changed_layers(project: Project, model: Assembly, made: StrengtheningTable) -> Assembly:
-    """Return the assembly with the joints of some layers changed."""
     changes: dict[str, dict[str, float]] = {}
     layers = {layer_key(block.layer): block.layer for block in model.blocks}
     for layer, table in made.layers.items():

@@ -225,7 +225,6 @@ def content_problems(project: ProjectContent, folder: Path) -> Iterator[kinds.Pr
 def _tables(
     table: kinds.ProjectTable, path: kinds.KeyPath
 ) -> Iterator[tuple[kinds.KeyPath, kinds.ProjectTable]]:
-    """Yield a table and those in it with their paths."""
     yield path, table
     for key, form in tables_of(type(table)).items():
         value: Any = getattr(table, key)

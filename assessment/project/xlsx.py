@@ -221,7 +221,6 @@ def to_xlsx(content: Mapping[str, Any], marked: Collection[schema.KeyPath] = ())
 
 
 def _columns(name: str) -> list[str]:
-    """Return the header of a sheet of several tables."""
     return [*([_NAME[name]] if name in _NAME else []), *schema.keys_at((name, 0))]
 
 
@@ -270,7 +269,6 @@ def _choices(path: schema.KeyPath) -> str:
 
 
 def _words(kinds: Iterable[Any]) -> list[Any]:
-    """Return what the literal ones of some types allow."""
     return [member for kind in kinds if get_origin(kind) is Literal for member in get_args(kind)]
 
 
@@ -285,7 +283,6 @@ def _unevaluated(formulas: Rows, values: Rows) -> str | None:
 
 
 def _letter(column: int) -> str:
-    """Return the letters of a column, counted from 0."""
     from openpyxl.utils import get_column_letter
 
     return str(get_column_letter(column + 1))

@@ -89,7 +89,6 @@ def to_docx(page: str, folder: Path) -> bytes:
 
 
 def _block(document: Any, element: Element, folder: Path) -> None:
-    """Write an element of the report's body."""
     if element.tag in HEADINGS:
         heading = _paragraph(document, HEADINGS[element.tag])
         _words(heading, element)
@@ -145,7 +144,6 @@ def _table(document: Any, table: Element) -> None:
 
 
 def _paragraph(document: Any, style: str) -> Any:
-    """Add an empty paragraph in a style."""
     return _styled(document.add_paragraph(), style)
 
 

@@ -205,7 +205,6 @@ def frames(
 
 
 def _size(model: Assembly) -> int:
-    """Numbers of one frame."""
     return 3 * (len(model.blocks) + len(model.joints.a))
 
 

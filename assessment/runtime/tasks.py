@@ -47,16 +47,13 @@ class _Stage:
     worked: float = 0.0
 
     def ready(self, number: int) -> bool:
-        """Whether all results are known that the arguments of a task follow from."""
         return all(each.number in self.known for each in self.tasks[number] if isinstance(each, From))
 
     def task(self, number: int) -> tuple[Any, ...]:
-        """Return the arguments of a task that is ready."""
         given = self.tasks[number]
         return tuple(each.read(self.known[each.number]) if isinstance(each, From) else each for each in given)
 
     def key(self, number: int) -> str:
-        """Return the fingerprint of a task that is ready."""
         if number not in self.keys:
             self.keys[number] = fingerprint(self.function, self.task(number))
         return self.keys[number]
@@ -77,7 +74,6 @@ class _Stage:
             self.show.failed(self.stage, self.titles[number], reasons)
 
     def hear(self, number: int, share: float | None) -> None:
-        """Tell the share that is done of an analysis in this process."""
         self.look({number: share})
 
     def look(self, shares: Mapping[int, float | None]) -> None:

@@ -207,7 +207,6 @@ def _jacobian(unknowns: Unknowns, u: Array, residual: Array, predict: Predict) -
 
 
 def _difference(u: Array) -> float:
-    """Return the step of finite differences, m."""
     return max(FIT.difference * float(np.linalg.norm(u)), FIT.least)
 
 

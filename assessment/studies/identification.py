@@ -305,7 +305,6 @@ def identification(project: Project, model: Assembly, workers: Workers, study: S
 
 
 def _explained(project: Project, search: MovementSearch, unknowns: fitting.Unknowns) -> parts.Explanation:
-    """Return the best movement of one hypothesis."""
     fit, n = search.best(unknowns), len(unknowns)
     freedom = len(project.measurement) - n
     if fit is None:

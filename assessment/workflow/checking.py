@@ -122,7 +122,6 @@ def _loads(project: Project, a: Assembly) -> list[parts.LayerLoads]:
 
 
 def _geometry(project: Project, model: ProjectModel) -> parts.Geometry:
-    """Return blocks, control points, joints and surveyed cracks as drawn."""
     a = model.assembly
     blocks = [
         parts.DrawnBlock(

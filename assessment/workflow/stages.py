@@ -229,7 +229,6 @@ def _add_capacities(draft: Draft, converged: Converged, ensembles: Ensembles) ->
 
 
 def _add_second_solver(draft: Draft, reported: Iterable[Governed]) -> None:
-    """Add to every rigid curve the multiplier of limit analysis by a second program."""
     found = [
         (begun.model, stage.state, direction, pushed.activated, rigid.curve.multiplier[rigid.peak])
         for each in reported

@@ -142,7 +142,6 @@ def combinations(results: Results) -> Found:
 
 
 def _points(results: Results, analysis: str) -> Found:
-    """List every level that was run."""
     for each in shaken(results, analysis):
         for row in each.rows:
             yield from ((each.place | cells(row, ("record", "sign")), point) for point in row.points)

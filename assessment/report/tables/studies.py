@@ -66,7 +66,6 @@ def sensitivity(results: Results) -> Found:
 
 
 def _of_study(study: Scenarios | Sensitivity | None) -> Row:
-    """Return the limit state of capacities, where there is an assessment."""
     return {"limit_state": study.limit_state} if study and study.limit_state else {}
 
 

@@ -78,17 +78,14 @@ class _Checked(Part):
 
     @property
     def checks(self) -> dict[str, Check]:
-        """The checks that were made, by their names in the file."""
         made: dict[str, Check | None] = {name: getattr(self, _attribute(name), None) for name in CHECKS}
         return present(made)
 
     def with_checks(self, checks: Mapping[str, Check]) -> Self:
-        """Return the part with checks that were made, by their names in the file."""
         return self.replace(**{_attribute(name): check for name, check in checks.items()})
 
 
 def _attribute(name: str) -> str:
-    """Return the attribute of a check by its name in the file."""
     return name.replace(" ", "_")
 
 
