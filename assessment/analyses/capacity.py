@@ -304,10 +304,9 @@ def with_loss(method: Method, loss: LocalLoss | None) -> Method:
     """Return the method with the local loss of the path as its limit, if the project gives no limit (C8.7.1.2)."""
     if loss is None or method.local_limits:
         return method
+    limits = dict.fromkeys(("SLV", "SLC"), loss.displacement_m)
     reason = message("pushover, {lost}", lost=what_is_lost(loss))
-    return replace(
-        method, local_limits=dict.fromkeys(("SLV", "SLC"), loss.displacement_m), local_reason=reason
-    )
+    return replace(method, local_limits=limits, local_reason=reason)
 
 
 def checks_of(curve: oscillator.CapacityCurve, checks: Mapping[str, parts.Check]) -> dict[str, parts.Check]:

@@ -234,25 +234,23 @@ def _fit(
     return replace(fit_rigid((d, alpha)), source="virtual work, hinges followed")
 
 
-def compared(
-    found: parts.GivenMechanism, alpha_0: float | None, alpha_onset: float | None
-) -> parts.GivenMechanism:
+def compared(found: parts.GivenMechanism, alpha_0: float | None, onset: float | None) -> parts.GivenMechanism:
     """Return the mechanism with the α0 of its state in its direction, and a note if its own α0 is lower.
 
-    In a settled state a hinge of the settlement may close at `alpha_onset` < α0. A mechanism without sliding and
-    penetration is an upper bound of `alpha_onset`, the limit analysis in the configuration of the state.
+    In a settled state a hinge of the settlement may close at `onset` < α0. A mechanism without sliding and
+    penetration is an upper bound of `onset`, the limit analysis in the configuration of the state.
     """
     notes, own = list(known(found.notes)), known(found.alpha_0)
-    if alpha_onset is not None and own < (1.0 - GIVEN.below) * alpha_onset:
+    if onset is not None and own < (1.0 - GIVEN.below) * onset:
         left_out = message(
             "alpha_0 is below that of limit analysis, which no mechanism without sliding and penetration can be: "
             "the friction of the sliding joints, or the penetration, is what it leaves out"
         )
         notes.append(left_out)
-    elif alpha_0 is not None and alpha_onset is not None and own < (1.0 - GIVEN.below) * alpha_0:
+    elif alpha_0 is not None and onset is not None and own < (1.0 - GIVEN.below) * alpha_0:
         earlier = message(
             "alpha_0 is below that of the state, {alpha:.4g}: a hinge of the settlement closes from α = "
-            "{onset:.4g} on, before that is reached", alpha=alpha_0, onset=alpha_onset,
+            "{onset:.4g} on, before that is reached", alpha=alpha_0, onset=onset,
         )  # fmt: skip
         notes.append(earlier)
     return found.replace(alpha_0_limit=alpha_0, notes=notes)
@@ -278,10 +276,8 @@ def assess_chosen(
             pushed = state.pushover.get(known(answer.direction))
             rigid = pushed.rigid if pushed else None
             answer = compared(answer, rigid.alpha_0 if rigid else None, rigid.alpha_onset if rigid else None)
-            warnings += [
-                message('mechanism "{name}": {text}', name=chosen.name, text=note)
-                for note in known(answer.notes)
-            ]
+            name, notes = chosen.name, known(answer.notes)
+            warnings += [message('mechanism "{name}": {text}', name=name, text=note) for note in notes]
         except (MechanismError, CapacityError) as refusal:
             answer = parts.GivenMechanism(name=chosen.name, state=chosen.state, refused=refusal.message)
             warnings.append(_of_mechanism(chosen.name, refusal))

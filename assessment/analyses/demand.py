@@ -55,10 +55,8 @@ def site_acceleration(project: Project) -> dict[str, float]:
     assessment = project.assessment
     if assessment is None or assessment.spectrum != "record" or assessment.site is None:
         return {}
-    return {
-        name: spectrum.ag * spectrum.S
-        for name, spectrum in _site_spectra(project, assessment).spectra.items()
-    }
+    spectra = _site_spectra(project, assessment).spectra
+    return {name: spectrum.ag * spectrum.S for name, spectrum in spectra.items()}
 
 
 def demand_return_periods(project: Project) -> dict[str, float]:
@@ -68,10 +66,8 @@ def demand_return_periods(project: Project) -> dict[str, float]:
         return {}
     site = assessment.site
     if not site.typed:
-        return {
-            name: return_period(name, site.nominal_life_years, site.use_class)
-            for name in assessment.limit_states
-        }
+        life = site.nominal_life_years
+        return {name: return_period(name, life, site.use_class) for name in assessment.limit_states}
     typed = {name: site.typed[name].return_period_years for name in assessment.limit_states}
     return {name: T_R for name, T_R in typed.items() if T_R is not None}
 
@@ -104,9 +100,8 @@ def _at_height(ground: ElasticSpectrum, assessment: AssessmentTable) -> Spectrum
     if floor is None or floor.height_m == 0.0:
         return ground
     T_1 = floor.period_s or floor_spectrum.fundamental_period(floor.building_height_m).result
-    first = floor_spectrum.first_mode(
-        T_1, floor.storeys, floor.height_m, floor.building_height_m, floor.damping_ratio
-    )
+    heights = floor.height_m, floor.building_height_m
+    first = floor_spectrum.first_mode(T_1, floor.storeys, *heights, floor.damping_ratio)
     if assessment.circular == 2009:
         return floor_spectrum.FloorSpectrum2009(ground, first)
     higher = zip(floor.higher_periods_s, floor.higher_participations, strict=True)

@@ -116,17 +116,14 @@ def finest(project: Project, halvings: Mapping[str, int]) -> list[tuple[Project,
 def joined(state: str | None, stage: str, rows: Sequence[QualityRow]) -> QualityRow:
     """Return one row for the rows of several analyses."""
     lifting = sum(row.lifting or 0 for row in rows) or None
-    return QualityRow(
-        state=state, stage=stage, solves=sum(row.solves for row in rows), lifting=lifting, **_worst(rows)
-    )
+    solves = sum(row.solves for row in rows)
+    return QualityRow(state=state, stage=stage, solves=solves, lifting=lifting, **_worst(rows))
 
 
 def quality_of(rows: Sequence[QualityRow], warnings: Sequence[str]) -> Quality:
     """Return the certificates and the warnings of a run; null: no analysis has such a certificate."""
-    worst = dict.fromkeys(WORST) | _worst(rows)
-    return Quality(
-        solves=sum(row.solves for row in rows), warnings=list(warnings), by_stage=list(rows), **worst
-    )
+    worst, solves = dict.fromkeys(WORST) | _worst(rows), sum(row.solves for row in rows)
+    return Quality(solves=solves, warnings=list(warnings), by_stage=list(rows), **worst)
 
 
 def _worst(rows: Sequence[QualityRow]) -> dict[str, float]:

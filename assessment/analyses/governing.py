@@ -229,9 +229,7 @@ def _with_curves(chosen: Pushovers, number: int, runs: Sequence[Pushovers], coun
         return chosen
     found: dict[Behaviour, RigidPush | ElasticPush] = {}
     for behaviour, curve in chosen.by_contacts.items():
-        by_run = {
-            k: each.by_contacts[behaviour] for k, each in enumerate(runs) if behaviour in each.by_contacts
-        }
+        by_run = {k: push for k, each in enumerate(runs) if (push := each.by_contacts.get(behaviour))}
         others = [each.curve for k, each in by_run.items() if k != number]
         found[behaviour] = _ranged(curve.replace(members=others), QUANTITIES, list(by_run.values()), count)
     return chosen.replace(**found)
@@ -269,10 +267,11 @@ def _refusals(checked: Sequence[Found[Assessed]], runs: int) -> Iterator[Message
     for reason in (reason for each in checked for reason in each.failures):
         reasons.setdefault(reason.template, []).append(reason)
     for same in reasons.values():
+        count, reason = len(same), same[0]
         of_many = message(
-            "no capacity in {count} of {runs} runs: {reason}", count=len(same), runs=runs, reason=same[0]
+            "no capacity in {count} of {runs} runs: {reason}", count=count, runs=runs, reason=reason
         )
-        yield refused(same[0]) if runs == 1 else of_many
+        yield refused(reason) if runs == 1 else of_many
 
 
 def _told_of(runs: Sequence[Run]) -> Iterator[Message]:
@@ -283,6 +282,5 @@ def _told_of(runs: Sequence[Run]) -> Iterator[Message]:
         count=len(runs),
     )
     if failed := [stage for run in runs[1:] for stage in run if stage.failures]:
-        yield message(
-            "in {count} of the runs of the ensemble: {text}", count=len(failed), text=failed[0].failures[0]
-        )
+        text = failed[0].failures[0]
+        yield message("in {count} of the runs of the ensemble: {text}", count=len(failed), text=text)

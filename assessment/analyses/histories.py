@@ -200,9 +200,8 @@ class Refinement:
             return found.replace(relative_scatter=self.unsure, peak_displacement_scatter_m=self.scatters)
         if self.collapsed:
             return found
-        return found.replace(
-            order=self.order, relative_error=self.unsure, peak_displacement_error_m=self.error
-        )
+        told = {"relative_error": self.unsure, "peak_displacement_error_m": self.error}
+        return found.replace(order=self.order, **told)
 
     def missed(self, title: Message, tolerance: float) -> list[Message]:
         """Return a warning if the tolerance is not met."""

@@ -206,10 +206,8 @@ def push(
                 add_curve(title, setting, *followed, found)
             except (mechanics.NoEquilibriumError, mechanics.ConvergenceError) as error:
                 # checks are of the first motion: no curve without it
-                reason = message(
-                    "the mechanism of the first motion is not found: {reason}", reason=error.message
-                )
-                found.fail(title, reason)
+                found.fail(title, message("the mechanism of the first motion is not found: {reason}",
+                                          reason=error.message))  # fmt: skip
         path = followed[1] if followed and image is None else None
         found.quality.append(paths.quality_row(name, f"pushover, {behaviour}", path))
         found.seconds = time.perf_counter() - began

@@ -156,9 +156,8 @@ def _loss(model: Assembly, joint: int, displacement: float, overlap: Array) -> L
 
 def loss_sentence(loss: LocalLoss) -> Message:
     """Return the text of a local loss for messages."""
-    return message(
-        "{lost} at d = {displacement:.4g} m", lost=what_is_lost(loss), displacement=loss.displacement_m
-    )
+    lost = what_is_lost(loss)
+    return message("{lost} at d = {displacement:.4g} m", lost=lost, displacement=loss.displacement_m)
 
 
 def broken_tie(tie: str, longest: float) -> Message:
@@ -170,10 +169,8 @@ def what_is_lost(loss: LocalLoss) -> Message:
     """Return what a local loss is of."""
     if loss.tie is not None:
         return broken_tie(loss.tie, known(loss.longest_m))
-    first, second = loss.blocks
-    return message(
-        "the faces of blocks {first} and {second} slide off each other", first=first, second=second
-    )
+    a, b = loss.blocks
+    return message("the faces of blocks {first} and {second} slide off each other", first=a, second=b)
 
 
 BACK = 1e-6  # of a block's size: supports nearer to where they were are there again
@@ -215,10 +212,8 @@ def settle(
         found.value = Settled(moved, reached)
         if settlement.to_collapse and path.ultimate is None:
             far = float(path.movement[-1])
-            none = message(
-                "no ultimate movement up to {reached:.3g} m ({reason})", reached=far, reason=path.end
-            )
-            found.warn(title, none)
+            found.warn(title, message("no ultimate movement up to {reached:.3g} m ({reason})", reached=far,
+                                      reason=path.end))  # fmt: skip
         found.warn(title, *crossings(path.crossed, increment), *lifts(path))
         found.scatters = turns_on_rounding(path)
         found.quality.append(quality_row(settlement.name, f"pushdown, {behaviour}", path))

@@ -128,9 +128,8 @@ def scan(
         found.reason = next(iter(levels.refused.values()))
     every = levels.counts["motions"]
     for alike in levels.notes.values():
-        found.notes.append(
-            message("{count} of {all} motions: {text}", count=len(alike), all=every, text=alike[0])
-        )
+        count, text = len(alike), alike[0]
+        found.notes.append(message("{count} of {all} motions: {text}", count=count, all=every, text=text))
     if levels.refused and found.reason is None:
         text = message("whether it collapses at {levels:.3g} g is not known and counts as a collapse: {reason}",
                        levels=list(levels.refused), reason=next(iter(levels.refused.values())))  # fmt: skip

@@ -159,10 +159,9 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
     pushed |= _pushed(again, begun, workers, prefix, again)
     for request, (way,) in _of_other_points(begun, pushed):
         title = pushover_title(request.state, way, request.behaviour)
-        nothing = message(
+        pushed[request, way] = Found(failures=[headed(title, message(
             "the control point of the rigid curve takes no part; give one that moves with elastic joints"
-        )
-        pushed[request, way] = Found(failures=[headed(title, nothing)])
+        ))])  # fmt: skip
     results = []
     for request in requests:
         movement = settled.get(request.movement) if request.movement else None
@@ -191,9 +190,8 @@ def _pushed(
         project, point, own = request.project, (points or {}).get((request, together)), begun[request]
         controls = tuple(point or project.pushover_control(direction) for direction in together)
         # of an elastic curve the part up to its peak is used; a bilinear fit needs the area of the whole curve
-        whole = request.behaviour == "rigid" or (
-            project.assessment and project.assessment.model == "bilinear"
-        )
+        asked = project.assessment
+        whole = request.behaviour == "rigid" or (asked and asked.model == "bilinear")
         increment, until = known(project.pushover).increment_m, 0.0 if whole else PAST_PEAK
         setting = PushSetting(request.behaviour, request.sliding, increment, until)
         arguments.append((own.model, request.state, own.state, setting, together, controls))
@@ -216,9 +214,7 @@ def _of_other_points(
         for way in request.directions
         if (value := pushed[request, way].value) is not None
     ]
-    rigid = {
-        (r.what, r.state, r.member, way): curves for r, way, curves in followed if r.behaviour == "rigid"
-    }
+    rigid = {(r.what, r.state, r.member, way): push for r, way, push in followed if r.behaviour == "rigid"}
     other: dict[Pushing, ControlTable] = {}
     for request, way, own in followed:
         beside = rigid.get((request.what, request.state, request.member, way), own)

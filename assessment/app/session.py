@@ -86,9 +86,7 @@ def edited(text: str, changes: Sequence[Change]) -> str:
     except ValidationError as error:
         raise project_error(TOML, schema_problems(error, content), {}) from None
     changed = tomlkit.dumps(document)
-    said, asked = (
-        json.dumps(each, sort_keys=True, default=str) for each in (tomllib.loads(changed), content)
-    )
+    said, asked = (json.dumps(it, sort_keys=True, default=str) for it in (tomllib.loads(changed), content))
     if said != asked:
         raise RuntimeError(f"{TOML}: the text does not say what was asked for")
     return changed
@@ -211,9 +209,8 @@ class Runs:
         """Start `assesto COMMAND` on the project. Raises ProjectError where one is at work, OSError where none can."""
         running = holder(self.output)
         if running or (self.process and self.process.poll() is None):
-            raise ProjectError(
-                f"{self.output}: {running.text if running else 'a command'} is at work; wait or stop it"
-            )
+            busy = running.text if running else "a command"
+            raise ProjectError(f"{self.output}: {busy} is at work; wait or stop it")
         # no Ctrl-C of this terminal
         new: dict[str, Any] = {"creationflags": 0x208} if os.name == "nt" else {"start_new_session": True}
         with self.log.open("wb") as log:
@@ -378,9 +375,8 @@ class Session:
             raise ProjectError(f"kind: must be one of {', '.join(PLACES)}")
         suffixes, place = PLACES[kind]
         if Path(file_name(name)).suffix.lower() not in suffixes:
-            raise ProjectError(
-                f"{name}: must end in {' or '.join(suffixes)}; drop another file, or export it as one"
-            )
+            ends = " or ".join(suffixes)
+            raise ProjectError(f"{name}: must end in {ends}; drop another file, or export it as one")
         with self.receiving:  # two pages may drop files of one name
             if self.opened is None:
                 write_atomically(self.dropped(name), content)

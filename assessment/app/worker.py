@@ -184,9 +184,8 @@ def followed(follow: Following) -> dict[str, Any]:
     places = contacts.places(at)
     share = np.nan_to_num(shares(places, step.forces), nan=0.5)
     open_ = end_gaps(places).max(axis=1) > OPEN * model.size
-    hinge = (
-        open_ & (step.forces[:, 0] > IDLE * model.weight) & ~contacts.ties & (abs(share - 0.5) > 0.5 - EDGE)
-    )
+    loaded = (step.forces[:, 0] > IDLE * model.weight) & ~contacts.ties
+    hinge = open_ & loaded & (abs(share - 0.5) > 0.5 - EDGE)
     ends = end_points(contacts, at)[hinge]
     hinges = ends[:, 0] + share[hinge, None] * (ends[:, 1] - ends[:, 0])
     return {

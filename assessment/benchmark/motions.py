@@ -108,9 +108,8 @@ def pulse(amplitude: float, duration: float) -> Wave:
 def shaken_arch(contacts: Behaviour = "elastic", amplitude: float = 0.03) -> ShakenCase:
     """The buttressed arch, shaken so that some of its joints open."""
     name, damping = f"buttressed arch, shaken, {contacts}", DAMPING if contacts == "elastic" else 0.0
-    return ShakenCase(
-        name, runner.assembly(ARCH), contacts, runner.control(ARCH)[0], 3.0, shaking(amplitude), damping
-    )
+    model, point = runner.assembly(ARCH), runner.control(ARCH)[0]
+    return ShakenCase(name, model, contacts, point, 3.0, shaking(amplitude), damping)
 
 
 def rocking_freely() -> ShakenCase:

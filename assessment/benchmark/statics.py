@@ -118,9 +118,8 @@ def beds(name: str, moved: Direction | None = None) -> runner.Case:
 
     def run(number: float) -> Pushover:
         fine, segments = 0.25 if number == FINE else 1.0, None if np.isinf(number) else round(number)
-        return runner.pushed(
-            name, moved or "+x", "elastic", fine, at_rest(segments) if moved else None, segments
-        )
+        start = at_rest(segments) if moved else None
+        return runner.pushed(name, moved or "+x", "elastic", fine, start, segments)
 
     title = f"{name.replace('-', ' ')}, {f'settled, {moved}' if moved else 'pushover'}, elastic"
     values = SETTLED_SEGMENTS if moved else SEGMENTS
@@ -136,13 +135,10 @@ def sliding(quick: bool) -> Iterator[runner.Row]:
         ("Ferris and Tin-Loi's wall 1", runner.running_bond(), (5 * 0.4, 6 * 0.175), 0.005),
     ]
     if not quick:  # wall 2 is inferred from its multiplier: tests/validation/test_masonry_wall.py
-        cases.append(
-            ("Ferris and Tin-Loi's wall 2", runner.running_bond(5, 10), (5 * 0.4, 10 * 0.175), 0.005)
-        )
-        cases += [
-            (name.replace("-", " "), runner.assembly(name), *runner.control(name))
-            for name in (ARCH, TRIUMPHAL)
-        ]
+        wall = runner.running_bond(5, 10)
+        cases.append(("Ferris and Tin-Loi's wall 2", wall, (5 * 0.4, 10 * 0.175), 0.005))
+        whole = (ARCH, TRIUMPHAL)
+        cases += [(name.replace("-", " "), runner.assembly(name), *runner.control(name)) for name in whole]
     laws: tuple[Sliding, ...] = ("associative", "coulomb")
     for name, model, at, increment in cases:
         for law in laws:
@@ -167,9 +163,8 @@ def ends(
         point = (length * at[0] + x, length * at[1] + z)
         step, moved = length * factor * increment, runner.in_frame(each, length, (x, z), weight)
         try:
-            taken, curve = runner.seconds_of(
-                partial(pushover, moved, point, "+x", "rigid", step, sliding=law)
-            )
+            push = partial(pushover, moved, point, "+x", "rigid", step, sliding=law)
+            taken, curve = runner.seconds_of(push)
         except runner.FAILURES:
             continue
         seconds.append(taken)

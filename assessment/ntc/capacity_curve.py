@@ -174,9 +174,8 @@ def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Ar
     peak = int(np.argmax(alpha))
     alpha_u = float(alpha[peak])
     if alpha_u <= 0.0:
-        raise CapacityError(
-            message("elastic curve: its peak alpha_u = {alpha:.6g} must be positive", alpha=alpha_u)
-        )
+        why = message("elastic curve: its peak alpha_u = {alpha:.6g} must be positive", alpha=alpha_u)
+        raise CapacityError(why)
     above = int(np.argmax(alpha >= SECANT_SHARE * alpha_u))
     share = (SECANT_SHARE * alpha_u - alpha[above - 1]) / (alpha[above] - alpha[above - 1])
     d_secant = float(d[above - 1] + share * (d[above] - d[above - 1]))
@@ -248,9 +247,8 @@ def _idealised(
         ]
     if not cut:
         steps.append(step("d_y", "alpha_y/K", d_y, "m", _PAPER))
-    return CurveFit(
-        model, float(alpha[0]), d_0, alpha_u, alpha_y, d_y, displacement, multiplier, notes, worked(*steps)
-    )
+    made = worked(*steps)
+    return CurveFit(model, float(alpha[0]), d_0, alpha_u, alpha_y, d_y, displacement, multiplier, notes, made)
 
 
 def _crossing(d: Array, value: Array) -> float | None:

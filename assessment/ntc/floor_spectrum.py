@@ -214,9 +214,8 @@ class FloorSpectrum2009(_OnGround):
 
     def largest_displacement(self, T_0: float, T: float) -> tuple[float, float]:
         """Return the demand at T (m) and T, or the ground's largest over [T_0, T] and its period, if that is larger."""
-        return max(
-            (float(self.displacement(T)), T), self.ground.largest_displacement(T_0, T), key=lambda f: f[0]
-        )
+        own = float(self.displacement(T)), T
+        return max(own, self.ground.largest_displacement(T_0, T), key=lambda f: f[0])
 
     def demand_steps(self, T_0: float, T: float) -> Trace:
         """Return the calculation of largest_displacement(T_0, T) by hand."""

@@ -270,10 +270,8 @@ def site_curve(
         raise HazardError(
             f"{grid.name}: is a grid of many nodes; give the latitude and longitude of the site"
         )
-    for name, degrees, most in (("latitude", latitude, 90.0), ("longitude", longitude, 180.0)):
-        require(
-            is_between(degrees, -most, most, "[]"), name, degrees, f"from -{most:g} to {most:g}, in degrees"
-        )
+    for name, angle, most in (("latitude", latitude, 90.0), ("longitude", longitude, 180.0)):
+        require(is_between(angle, -most, most, "[]"), name, angle, f"from -{most:g} to {most:g}, in degrees")
     x = (grid.longitude - longitude) * np.cos(np.radians(latitude)) * _KM_PER_DEGREE
     y = (grid.latitude - latitude) * _KM_PER_DEGREE
     distance = np.hypot(x, y)

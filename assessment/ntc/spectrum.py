@@ -146,7 +146,7 @@ class ElasticSpectrum:
 
     def parameter_steps(self) -> Trace:
         """Return the parameters of the spectrum by hand."""
-        lower, first, slope, upper = _STRATIGRAPHY[self.soil]
+        low, first, slope, high = _STRATIGRAPHY[self.soil]
         factor, exponent = _PERIOD_FACTOR[self.soil]
         table = f"NTC 2018, Tab. 3.2.IV, {self.soil}"
         law = "NTC 2018, §3.2.3.2.1"
@@ -154,9 +154,7 @@ class ElasticSpectrum:
             datum("a_g", self.ag, "g", "NTC 2018, §3.2"),
             datum("F_0", self.F0, "", "NTC 2018, §3.2"),
             datum("T_C_star", self.Tc_star, "s", "NTC 2018, §3.2"),
-            step(
-                "S_S", f"min({upper:g}, max({lower:g}, {first:g} - {slope:g}*F_0*a_g))", self.S_S, "", table
-            ),
+            step("S_S", f"min({high:g}, max({low:g}, {first:g} - {slope:g}*F_0*a_g))", self.S_S, "", table),
             datum("S_T", self.S_T, "", f"NTC 2018, Tab. 3.2.V, {self.topography}"),
             step("S", "S_S*S_T", self.S, "", "NTC 2018, eq. 3.2.3"),
             step("C_C", f"{factor:g}*T_C_star**({exponent:g})", self.C_C, "", table),
@@ -247,9 +245,8 @@ class RecordSpectrum:
     def _ordinates(self, T: ArrayLike) -> tuple[Array, Array]:
         """Return S_e(T), g, and S_De(T), m, for periods T (s) of any shape."""
         T = _periods(T)
-        S_e, S_De = response_spectrum(
-            np.asarray(self.acceleration_g), self.time_step, T.ravel(), self.damping
-        )
+        shaking = np.asarray(self.acceleration_g)
+        S_e, S_De = response_spectrum(shaking, self.time_step, T.ravel(), self.damping)
         return S_e.reshape(T.shape)[()], S_De.reshape(T.shape)[()]
 
 

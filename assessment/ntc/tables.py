@@ -35,10 +35,8 @@ Trace = tuple[Line, ...]
 
 def step(symbol: str, formula: str, result: float, unit: str, paragraph: str, /, **inputs: float) -> Line:
     """Return a line of a result; its inputs are given, or those that `worked` finds in the lines before."""
-    numbers = {name: float(value) for name, value in inputs.items()}
-    return Line(
-        symbol=symbol, formula=formula, inputs=numbers, result=float(result), unit=unit, paragraph=paragraph
-    )
+    numbers, found = {name: float(value) for name, value in inputs.items()}, float(result)
+    return Line(symbol=symbol, formula=formula, inputs=numbers, result=found, unit=unit, paragraph=paragraph)
 
 
 def datum(symbol: str, value: float, unit: str, source: str) -> Line:

@@ -253,9 +253,7 @@ def _part(limit_state: str, spectrum: Spectrum, method: Method, kind: CheckMetho
     """Return a check of what was `found`, by its keys; null: what was not, as where the capacity is not defined."""
     demand, reference, S = _demand(limit_state, spectrum, method)
     asked = {"demand_a_g_g": demand, "demand_pga_g": S * demand, "demand_S": S, "reference": reference}
-    told = {
-        name: finite(float(value)) if isinstance(value, float) else value for name, value in found.items()
-    }
+    told = {name: finite(float(x)) if isinstance(x, float) else x for name, x in found.items()}
     return Check(method=kind, **NOTHING | {"governing": "", "trace": []} | asked | told)
 
 
@@ -267,9 +265,8 @@ def _solve_linear(capacity: CapacityCurve, spectrum: Spectrum, method: Method, q
 def _solve_elastic(capacity: CapacityCurve, spectrum: Spectrum, method: Method) -> Solved:
     """Return where S_e(T_0) = a_y*, the end of the elastic branch, of a curve that has one (C8.7.1.2)."""
     assert capacity.a_y_star is not None and capacity.T_0 is not None
-    return _solve_acceleration(
-        capacity.a_y_star, "a_y_star", capacity.d_y_star, capacity.T_0, spectrum, method
-    )
+    d, T = capacity.d_y_star, capacity.T_0
+    return _solve_acceleration(capacity.a_y_star, "a_y_star", d, T, spectrum, method)
 
 
 def _solve_acceleration(
@@ -292,24 +289,22 @@ def _solve_acceleration(
     return Solved(d_star, a_star, T, a_g, base, ACTIVATION_DAMPING, governing, steps, notes)
 
 
-def _solve_displacement(
-    capacity: CapacityCurve, limit_state: str, spectrum: Spectrum, method: Method
-) -> Solved:
+def _solve_displacement(capacity: CapacityCurve, limit: str, spectrum: Spectrum, method: Method) -> Solved:
     """Return where S_De(T) = d at the displacement limit d, T from the secant of the capacity curve."""
-    rule = RULES.get((method.circular, limit_state))
+    rule = RULES.get((method.circular, limit))
     if rule is None:
-        none = message("{limit}: the circular of {year} has no nonlinear check for it", limit=limit_state,
+        none = message("{limit}: the circular of {year} has no nonlinear check for it", limit=limit,
                        year=method.circular)  # fmt: skip
         raise CapacityError(none)
-    d, governing, first = _limit(capacity, limit_state, method, rule)
+    d, governing, first = _limit(capacity, limit, method, rule)
     lines = [first]
-    d_secant, name = d, limit_state
+    d_secant, name = d, limit
     if rule.secant != 1.0:
         d_secant, name = rule.secant * d, "s"
         lines.append(step("d_s", f"{rule.secant:g}*{first.symbol}", d_secant, "m", LAW[method.circular]))
     a = capacity.a_star(d_secant)
     if a <= 0.0:
-        none = message("{limit}: no acceleration capacity is left at d* = {displacement:.6g} m", limit=limit_state,
+        none = message("{limit}: no acceleration capacity is left at d* = {displacement:.6g} m", limit=limit,
                        displacement=d_secant)  # fmt: skip
         raise CapacityError(none)
     T, T_0 = rule.factor * pi * sqrt(d_secant / (a * GRAVITY)), capacity.T_0 or 0.0

@@ -94,10 +94,8 @@ def _bar(project: Project, model: Assembly, table: TieTable) -> Tie:
     if blocks[0] == blocks[1]:
         raise ProjectError(f"{key}.to_m: both ends are in block {blocks[0]}; write a point of another")
     if not model.movable[blocks].any():
-        text = (
-            "both ends are in supports, between which a tie bears nothing; write a point of a movable block"
-        )
-        raise ProjectError(f"{key}.to_m: {text}")
+        why = "both ends are in supports, between which a tie bears nothing; write a point of a movable block"
+        raise ProjectError(f"{key}.to_m: {why}")
     bar = (table.yield_force_kN, table.stiffness_kN_m, table.pretension_kN)
     return Tie(table.name, table.from_m, table.to_m, *bar, ultimate_elongation=table.ultimate_elongation)
 
@@ -110,9 +108,7 @@ def _with_changed_layers(project: Project, model: Assembly, made: StrengtheningT
             key = f"{project.source}: strengthening[{project.strengthening.index(made) + 1}].layers.{layer}"
             raise ProjectError(f"{key}: no block on that layer; {nearest(layer, sorted(layers.values()))}")
         given = {key: getattr(table, key) for key in type(table).model_fields}
-        changes[layer_key(layer)] = {
-            masonry.MATERIAL[key]: value for key, value in given.items() if value is not None
-        }
+        changes[layer_key(layer)] = {masonry.MATERIAL[key]: x for key, x in given.items() if x is not None}
     if not changes:
         return model
     changed = [

@@ -118,10 +118,8 @@ def _materials(project: Project) -> Iterator[Told]:
         if friction is not None and STEEPEST < friction < math.inf:
             hint = message("stone on stone has 0.4 to 0.8; write inf where joints do not slide")
             if ANGLES[0] <= friction < ANGLES[1]:
-                tangent = f"{math.tan(math.radians(friction)):.2g}"
-                hint = message(
-                    "write {meant} if an angle of {angle:g}° was meant", meant=tangent, angle=friction
-                )
+                hint = message("write {meant} if an angle of {angle:g}° was meant", angle=friction,
+                               meant=f"{math.tan(math.radians(friction)):.2g}")  # fmt: skip
             yield f"{table}.friction", message(
                 "{friction:g} is the tangent of {angle:.3g}°; {hint}",
                 friction=friction, angle=math.degrees(math.atan(friction)), hint=hint,

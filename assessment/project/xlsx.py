@@ -162,9 +162,7 @@ def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[schema.KeyPath, str], li
 def _entries(name: str, rows: Rows) -> Iterator[tuple[schema.KeyPath, str, list[tuple[str, Any, str]]]]:
     """Yield the tables of a sheet: their path and place, and the keys, values and places of their cells."""
     if name in _SINGLE:
-        cells = [
-            (_text(row[0]).strip(), (*row, None)[1], f", cell B{number}") for number, row in rows.items()
-        ]
+        cells = [(_text(row[0]).strip(), (*row, None)[1], f", cell B{line}") for line, row in rows.items()]
         headed = bool(cells) and cells[0][0].lower() in {heads[0] for heads in HEADS.values()}
         yield _SINGLE[name], "", [cell for cell in cells[headed:] if cell[0].lower() != ACTIVE]
         return
@@ -373,10 +371,8 @@ def _cell(value: Any) -> Any:
     if isinstance(value, list | tuple):
         if any(isinstance(each, list | tuple) for each in value):  # pairs
             value = [number for pair in value for number in pair]
-        quoted = (
-            '"' + text.replace('"', '""') + '"' if set(text) & set(';"') else text for text in map(str, value)
-        )
-        return "; ".join(quoted)
+        texts = map(str, value)
+        return "; ".join('"' + x.replace('"', '""') + '"' if set(x) & set(';"') else x for x in texts)
     if isinstance(value, bool):
         return YES[0] if value else NO[0]
     if isinstance(value, float) and (math.isinf(value) or float(f"{value:.16g}") != value):

@@ -219,9 +219,7 @@ def write_tables(results: Results, folder: Path) -> None:
         write_atomically(folder / "fragility.xml", model)
     for each in tables(results):
         if each.rows:
-            columns = [
-                [inert(name), *_of_one_kind([row.get(name) for row in each.rows])] for name in each.columns
-            ]
+            columns = [[inert(it), *_of_one_kind([row.get(it) for row in each.rows])] for it in each.columns]
             text = io.StringIO()
             csv.writer(text, lineterminator="\n").writerows(zip(*columns, strict=True))
             write_atomically(folder / f"{each.name}.csv", text.getvalue().encode())

@@ -75,10 +75,7 @@ class Words:
         return ", ".join(self.field(name, value) for name, value in named if value)
 
     def _shown(self, values: Mapping[str, object]) -> dict[str, Any]:
-        return {
-            name: value if isinstance(value, Markup) else _Shown(self, name, value)
-            for name, value in values.items()
-        }
+        return {name: x if isinstance(x, Markup) else _Shown(self, name, x) for name, x in values.items()}
 
     def told(self, quantity: str, value: object) -> str:
         """Write a value of a quantity, or of a unit, with the unit, on one line; a text is written already."""

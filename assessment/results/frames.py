@@ -165,9 +165,8 @@ def tie_ends(results: Results, state: str, configuration: ArrayLike, times: floa
     """Return the ends (t, 2, 2) m of a state's ties where blocks are displaced by `times` a configuration (b, 3)."""
     ties = ties_of(results, state)
     ends = np.array([(tie.start_m, tie.end_m) for tie in ties]).reshape(-1, 2)
-    moved = place(
-        ends, _owner(ties).ravel(), outlines(results).centroids, np.asarray(configuration, dtype=float)
-    )
+    at = np.asarray(configuration, dtype=float)
+    moved = place(ends, _owner(ties).ravel(), outlines(results).centroids, at)
     return np.asarray(ends + times * (moved - ends)).reshape(-1, 2, 2)
 
 

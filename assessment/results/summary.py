@@ -120,9 +120,8 @@ def summary_of(results: schema.Results) -> schema.Summary:
         if (ratio := check.zeta_E) is not None and row.direction is not None and limit == (index or limit)
     ]
     least = min(found, key=lambda each: each.zeta_E, default=None)
-    return schema.Summary(
-        reference=SURFACE, governing=least, verified=_all(row.verified for row in rows), rows=rows
-    )
+    verified = _all(row.verified for row in rows)
+    return schema.Summary(reference=SURFACE, governing=least, verified=verified, rows=rows)
 
 
 def _row(

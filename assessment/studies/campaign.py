@@ -141,9 +141,8 @@ def moved_states(statics: variants.Statics, study: variants.Study) -> list[Moved
             on = model if share else drawn
             static = _static(beside, on, stages if share else [], pushed, statics.demands, warnings)
             ends = ultimate_of(pushed, point), least_d_0(pushed, point)
-            found.append(
-                Moved(title, whole.name, on, start, *ends, whole.name, share, share * length, static)
-            )
+            name, far = whole.name, share * length
+            found.append(Moved(title, name, on, start, *ends, name, share, far, static))
     return found
 
 

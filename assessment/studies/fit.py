@@ -38,12 +38,8 @@ class Unknowns:
     @property
     def title(self) -> Message:
         """The hypothesis in words: "right: x, z, rotation"."""
-        words = {
-            each: [WORDS[name] for other, name in self.components if other == each] for each in self.supports
-        }
-        return linked(
-            [message("{name}: {components}", name=each, components=own) for each, own in words.items()]
-        )
+        words = {at: [WORDS[name] for other, name in self.components if other == at] for at in self.supports}
+        return linked([message("{name}: {components}", name=at, components=own) for at, own in words.items()])
 
     @property
     def supports(self) -> tuple[str, ...]:
@@ -83,10 +79,8 @@ class Unknowns:
 
 def unknowns_of(hypothesis: Mapping[str, Sequence[str]], lever: float, downward_only: bool) -> Unknowns:
     """Return the unknowns of a hypothesis of the project file: its supports, each with its components."""
-    components = tuple(
-        (support, name) for support in hypothesis for name in COMPONENTS if name in hypothesis[support]
-    )
-    return Unknowns(components, lever, downward_only)
+    components = ((at, name) for at, own in hypothesis.items() for name in COMPONENTS if name in own)
+    return Unknowns(tuple(components), lever, downward_only)
 
 
 Predict = Callable[[Sequence[Array]], Sequence[Array | None]]
@@ -184,11 +178,8 @@ def _newton(unknowns: Unknowns, u: Array, residual: Array, predict: Predict, mea
 
 def _jacobian(unknowns: Unknowns, u: Array, residual: Array, predict: Predict) -> Array:
     """Return the derivatives (m, n), 1/m, by central differences; one-sided at a bound, or where one side falls."""
-    size = _difference(u)
-    sides = [
-        np.array([unknowns.bounded(u + sign * size * unit) for sign in (1.0, -1.0)])
-        for unit in np.eye(len(u))
-    ]
+    steps = _difference(u) * np.eye(len(u))
+    sides = [np.array([unknowns.bounded(u + step), unknowns.bounded(u - step)]) for step in steps]
     found = predict([side for pair in sides for side in pair])
     columns = []
     for k, pair in enumerate(sides):

@@ -57,9 +57,7 @@ def _together(unknowns: fitting.Unknowns, direction: Array) -> Message:
     """Return the components that can change together along a direction (n,)."""
     pairs = zip(unknowns.components, direction, strict=True)
     names = [_component(*each) for each, part in pairs if abs(part) > IN_IT]
-    return reduce(
-        lambda first, second: message("{first} together with {second}", first=first, second=second), names
-    )
+    return reduce(lambda a, b: message("{first} together with {second}", first=a, second=b), names)
 
 
 def _component(support: str, name: str) -> Message:
@@ -154,11 +152,8 @@ def follow(
     """Move the supports from their places as drawn, in so many increments, as far as they can be followed."""
     began = time.perf_counter()
     size = model.size
-    moved = tuple(
-        each
-        for each in movements
-        if max(*map(abs, each.displacement), abs(each.rotation) * size) > ROUNDING * size
-    )
+    sizes = (max(*map(abs, each.displacement), abs(each.rotation) * size) for each in movements)
+    moved = tuple(each for each, far in zip(movements, sizes, strict=True) if far > ROUNDING * size)
     if not moved:
         start = model.initial
         shown = readings(model, gauges, start.positions)
@@ -280,9 +275,8 @@ def identification(project: Project, model: Assembly, workers: Workers, study: S
     alike = [each.aic is not None and math.isclose(each.aic, least, abs_tol=1e-6) for each in hypotheses]
     best = alike.index(True) if known else None  # of those that explain alike the first
     if best is not None:
-        hypotheses = [
-            each.replace(distinguished=each.aic is None or each.aic > least + AS_GOOD) for each in hypotheses
-        ]
+        far = [each.aic is None or each.aic > least + AS_GOOD for each in hypotheses]
+        hypotheses = [each.replace(distinguished=x) for each, x in zip(hypotheses, far, strict=True)]
     result = parts.Identification(
         hypotheses=hypotheses,
         best=best,
@@ -296,9 +290,8 @@ def identification(project: Project, model: Assembly, workers: Workers, study: S
                 "{count} movements that were tried could not be followed to their end, for another reason than a "
                 "collapse; a better fit may lie there; the first: {reason}", count=len(reasons), reason=reasons[0],
             )  # fmt: skip
-            study.findings.append(
-                headed(message("identification, {hypothesis}", hypothesis=each.title), text)
-            )
+            title = message("identification, {hypothesis}", hypothesis=each.title)
+            study.findings.append(headed(title, text))
     if best is None:
         study.failures.append(message("identification: no movement of any hypothesis could be followed"))
     return result
@@ -349,10 +342,8 @@ def _movement(
     for each in unknowns.movements(fit.u):
         pairs = zip(unknowns.components, errors, strict=True)
         own = {keys[name]: error for (support, name), error in pairs if support == each.support}
-        x, z = each.displacement
-        found.append(
-            parts.FittedMovement(support=each.support, x_m=x, z_m=z, rotation_rad=each.rotation, **own)
-        )
+        x, z, turn = *each.displacement, each.rotation
+        found.append(parts.FittedMovement(support=each.support, x_m=x, z_m=z, rotation_rad=turn, **own))
     return found
 
 

@@ -77,9 +77,8 @@ class Measures:
             by = [replace(each, level=each.level * self.over_pga[each.record][name]) for each in levels]
             fit, period = fragility.over_records(by), self.period if name == "Sa(T)" else None
             median, beta = (fit.median, fit.beta) if fit else (None, None)
-            found.append(
-                dynamic.MeasureFit(measure=name, unit=unit, period_s=period, median=median, beta=beta)
-            )
+            told = {"period_s": period, "median": median, "beta": beta}
+            found.append(dynamic.MeasureFit(measure=name, unit=unit, **told))
         return found
 
 
@@ -162,10 +161,8 @@ class Searches:
         loss = self._loss_of(pairs)
         if state is base:
             return loss.replace(dynamic_range=[0.0, 0.0]) if loss.dynamic is not None else loss
-        signs = {
-            way: self._loss_of([both for both in pairs if both[0].sign == sign])
-            for sign, way in DIRECTIONS.items()
-        }
+        own = {way: [both for both in pairs if both[0].sign == sign] for sign, way in DIRECTIONS.items()}
+        signs = {way: self._loss_of(of_sign) for way, of_sign in own.items()}
         losing = next((way for way, each in signs.items() if (each.dynamic_range[0] or 0.0) > 0.0), None)
         gains = (  # without bound where nothing collapses any more
             (each.dynamic_range[1] or 0.0) < 0.0 or (each.dynamic is None and each.records)

@@ -252,9 +252,8 @@ def sensitivity(statics: Statics, study: Study) -> studies.Sensitivity:
         for direction, capacities in ways.items()
     ]
     study.findings += scatter(runs, without_effect(project))
-    return studies.Sensitivity(
-        limit_state=quoted_limit_state(project), runs=runs, warnings=list(study.warnings)
-    )
+    limit = quoted_limit_state(project)
+    return studies.Sensitivity(limit_state=limit, runs=runs, warnings=list(study.warnings))
 
 
 def without_effect(project: Project) -> set[str]:
@@ -295,10 +294,8 @@ def with_factor(project: Project, key: str, factor: float) -> Project:
     """Return the project with a property (see KEYS) times a `factor` wherever it is given; loads stay as they are."""
 
     def scaled(table: ProjectTable) -> ProjectTable:
-        values = {name: getattr(table, name, None) for name in KEYS[key]}
-        return table.model_copy(
-            update={name: factor * each for name, each in values.items() if each is not None}
-        )
+        values = ((name, getattr(table, name, None)) for name in KEYS[key])
+        return table.model_copy(update={name: factor * each for name, each in values if each is not None})
 
     def layered(layers: Mapping[str, ProjectTable]) -> dict[str, ProjectTable]:
         return {name: scaled(layer) for name, layer in layers.items()}

@@ -227,9 +227,8 @@ def expected(read: Checked) -> dict[str, float]:
         return (more + sum(motion.record.time.size for motion in shaking)) * (once + each * joints)
 
     contacts = {*project.pushed_contacts, *project.dynamic_contacts, *project.moved_contacts} or {"rigid"}
-    paths = increment * sum(
-        each.increments * (COLLAPSE if each.to_collapse else 1.0) for each in project.settlements
-    )
+    ways = [each.increments * (COLLAPSE if each.to_collapse else 1.0) for each in project.settlements]
+    paths = increment * sum(ways)
     found = {"pushdown": paths * len(contacts) * ensemble}
     curves = 0.0  # s of those of one state under one behaviour of its joints
     if push := project.pushover:
@@ -238,9 +237,8 @@ def expected(read: Checked) -> dict[str, float]:
     tables = zip(project.history, motions.history, strict=True)
     found["history"] = ensemble * sum(states(each) * samples(each, [motion]) for each, motion in tables)
     if search := project.incremental:  # of both signs, and as long again at half the step
-        found["incremental"] = (
-            4 * states(search) * SEARCH[search.contacts] * samples(search, motions.incremental)
-        )
+        runs = 4 * states(search) * SEARCH[search.contacts]
+        found["incremental"] = runs * samples(search, motions.incremental)
     if study := project.campaign:
         moved = len(study.settlements or project.settlements)
         cases = len(study.signs) * sum(moved if share else 1 for share in study.shares)

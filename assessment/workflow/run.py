@@ -248,9 +248,7 @@ def print_again(project: Project, folder: Path) -> list[str]:
             results = results.replace(
                 title=page["title"],
                 echo=results.echo.replace(title=page["title"], report=page["report"]),
-                quality=results.quality.replace(
-                    warnings=[*known, *(text for text in warnings if text not in known)]
-                ),
+                quality=results.quality.replace(warnings=[*known, *(x for x in warnings if x not in known)]),
             )
             warnings += write(results, folder, jobs=0, attachments=project.attachments())
         except (OSError, KilledError, ProjectError):  # that name another file

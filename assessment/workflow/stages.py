@@ -252,10 +252,8 @@ def _add_dynamics(draft: Draft, stages: Iterable[StateResult], scans: Scans) -> 
     project, motions = draft.project, draft.read.motions
     starts = starts_of(project.dynamic_contacts, draft.models, stages)
     if "rigid" in project.dynamic_contacts and project.contacts.sliding == "coulomb":
-        resting = {name: each for (name, behaviour), each in starts.items() if behaviour == "rigid"}
-        at_rest = [
-            (model, name, start) for name, (model, start) in resting.items() if isinstance(start, State)
-        ]
+        resting = {name: each for (name, kind), each in starts.items() if kind == "rigid"}
+        at_rest = [(on, name, start) for name, (on, start) in resting.items() if isinstance(start, State)]
         for found in scans.workers.each("friction at rest", rests_or_moves, at_rest, [*resting]):
             draft.warnings += found.warnings
     pushovers = {name: state.pushover for name, state in draft.states.items()}

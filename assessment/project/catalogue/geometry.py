@@ -110,9 +110,7 @@ def course(x0: float, x1: float, z0: float, z1: float, *, blocks: int, shifted: 
 def running_bond(x0: float, x1: float, levels: Array, blocks: int) -> list[Array]:
     """Return courses of blocks (4, 2) m between the levels (k,) m, every second one shifted by half a block."""
     rows = enumerate(pairwise(levels))
-    return [
-        block for k, (z0, z1) in rows for block in course(x0, x1, z0, z1, blocks=blocks, shifted=k % 2 == 1)
-    ]
+    return [one for k, (z0, z1) in rows for one in course(x0, x1, z0, z1, blocks=blocks, shifted=k % 2 == 1)]
 
 
 def courses(z0: float, z1: float, height: float, key: str = "course_height_m") -> Array:
@@ -132,9 +130,7 @@ def fitted(cells: Iterable[Array], region: Polygon, thinnest: float = THINNEST) 
     inside = [each for each in map(Polygon, cells) if intersection(each, region, grid_size=1e-9).area > 1e-9]
     cut = [each.intersection(region) for each in inside]
     pieces = [part for c in cut for part in getattr(c, "geoms", [c]) if part.area > 1e-9]
-    while len(pieces) > 1 and (
-        slivers := [piece for piece in pieces if piece.buffer(-0.5 * thinnest).is_empty]
-    ):
+    while len(pieces) > 1 and (slivers := [each for each in pieces if each.buffer(-0.5 * thinnest).is_empty]):
         sliver = min(slivers, key=lambda piece: (round(piece.area, 9), _off_axis(piece)))
         others = [piece for piece in pieces if piece is not sliver]
         bond = [(round(other.intersection(sliver).length, 9), -_off_axis(other)) for other in others]
@@ -211,9 +207,7 @@ def project(
         "material": dict(zip(keys, stone, strict=True)),
         "layers": layers,
         **tables,
-        "control": [
-            {"name": name, "point_m": [round(x, 9), round(z, 9)]} for name, (x, z) in control.items()
-        ],
+        "control": [{"name": key, "point_m": [round(x, 9), round(z, 9)]} for key, (x, z) in control.items()],
         **({"settlements": [*settlements]} if settlements else {}),
         "pushover": pushover,
         "assessment": ASSESSMENT | own,

@@ -171,9 +171,8 @@ def new_example(folder: Path, name: str, source: str = TOML) -> None:
     name = name.lower().replace("-", "_")
     if name not in known:
         raise ProjectError(f"--example: {name}: no such example; {nearest(name, known)}")
-    within = (
-        (path.relative_to(known[name]), path) for path in sorted(known[name].rglob("*")) if path.is_file()
-    )
+    own = known[name]
+    within = ((path.relative_to(own), path) for path in sorted(own.rglob("*")) if path.is_file())
     files = {place.as_posix(): path.read_bytes() for place, path in within if place.parts[0] != "output"}
     with new_folder(folder, files) as fresh:
         if source != TOML:

@@ -146,8 +146,7 @@ class SettlementTable(ProjectTable):
     increment_rad: kinds.AngleStep = entry("largest step of the rotation, rad", 0.001)
     to_collapse: bool = entry("also look for the ultimate movement along the same direction", False)
     after: Annotated[kinds.Name | None, NameOf("settlement")] = absent(
-        "name of the settlement in whose state this movement begins, and from which it counts; default as "
-        "drawn"
+        "name of the settlement in whose state this movement begins, and from which it counts; default as drawn"
     )
     steps: Annotated[int, Field(ge=2, le=100)] | None = absent(
         "review the capacity after each of so many equal parts of the movement too"

@@ -140,9 +140,8 @@ def _mechanisms(results: Results, words: language.Words) -> Table:
     for row in table.rows:
         where = row["state"], row["direction"]
         named = Markup.escape(mechanisms.mechanism_name(results, *where, words))
-        rows.append(
-            row | {"mechanism": named} | cells(hand_check.rigid_push(results, *where), ["alpha_onset"])
-        )
+        onset = cells(hand_check.rigid_push(results, *where), ["alpha_onset"])
+        rows.append(row | {"mechanism": named} | onset)
     return Table("mechanisms", rows, (*table.columns[:2], "mechanism", "alpha_onset", *table.columns[2:]))
 
 
@@ -176,9 +175,8 @@ def ranges_table(found: Iterable[Row], words: language.Words) -> Table:
         name, limit = each["quantity"], each.get("limit_state")
         ends = {"used": each["value"], "lowest": each["lowest"], "highest": each["highest"]}
         row: Row = {key: each[key] for key in ("state", "direction", "contacts") if key in each}
-        row["quantity"] = language.heading(name, words) + (
-            f" {language.check_name(limit, words)}" if limit else ""
-        )
+        checked_at = f" {language.check_name(limit, words)}" if limit else ""
+        row["quantity"] = language.heading(name, words) + checked_at
         rows.append(row | {key: language.written(name, end, words) for key, end in ends.items()})
     columns = ("state", "direction", "contacts", "quantity", "used", "lowest", "highest")
     return Table("static_ranges", rows, columns)

@@ -153,9 +153,8 @@ def _sensitive(results: Results, words: Words) -> Iterator[Markup]:
         what = {"property": words.plain(f"value.{widest.property}"), "reference": reference}
         factors = {"low": widest.low_factor, "high": widest.high_factor}
         ends = {"least": min(widest.capacities()), "most": max(widest.capacities())}
-        yield words(
-            "judgement.sensitive", limit=found.limit_state, state=widest.state, **what, **factors, **ends
-        )
+        limit, state = found.limit_state, widest.state
+        yield words("judgement.sensitive", limit=limit, state=state, **what, **factors, **ends)
     if without := dict.fromkeys(bar.property for bar in every if bar.swing_g is None):
         names = ", ".join(words.plain(f"value.{name}") for name in without)
         yield words("judgement.sensitive_open", properties=names)

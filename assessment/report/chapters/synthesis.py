@@ -29,9 +29,8 @@ def lead(results: Results, words: Words) -> list[Markup]:
         return [words("judgement.unstable")]
     worst, limit = summary.worst_settled(results) or ORIGINAL, summary.index_limit(results)
     sentences = [_of_state(results, worst, words)]
-    sentences += [
-        _strengthened(results, name, words) for name, state in results.states.items() if state.strengthening
-    ]
+    stronger = [name for name, state in results.states.items() if state.strengthening]
+    sentences += [_strengthened(results, name, words) for name in stronger]
     # states and directions without an index
     where = [
         words("synthesis.open_at", state=row.state, direction=row.direction or "")
@@ -118,9 +117,7 @@ def _kind(check: Part | None, words: Words) -> str:
 def _outcome(results: Results, name: str, words: Words) -> str:
     """Return whether a state is verified in every direction, as a sentence; where the index is, what is not."""
     rows = summary.rows_of(results, name)
-    counting = [
-        {limit: row.checks[limit] for limit in INDEXED if limit in row.checks} or row.checks for row in rows
-    ]
+    counting = [{x: row.checks[x] for x in INDEXED if x in row.checks} or row.checks for row in rows]
     failing = [x for x in INDEXED if any(x in each and each[x].verified is False for each in counting)]
     if failing and summary.index_limit(results) not in failing:
         return words.plain("synthesis.not_verified_at", limits=", ".join(failing))
@@ -204,22 +201,11 @@ def synthesis_grid(results: Results, words: Words) -> Grid | None:
     listed = [name for name in LISTED if any(getattr(row, name) is not None for row in rows)]
     if "alpha_0" in listed and "alpha_u" in listed:
         listed.remove("alpha_u")
-    changed = any(
-        check.loss is not None for row in rows for limit, check in row.checks.items() if limit == first
-    )
-    columns = [
-        "state",
-        "direction",
-        *limits,
-        *["reduction"] * changed,
-        *listed,
-        "mechanism",
-        *["verified"] * bool(limits),
-    ]
+    changed = any(row.checks[first].loss is not None for row in rows if first and first in row.checks)
+    columns = ["state", "direction", *limits, *["reduction"] * changed, *listed, "mechanism"]
+    columns += ["verified"] * bool(limits)
     farthest = "/".join(sorted({row.limit_state for row in rows if row.limit_state}))
-    heads = {
-        limit: words(f"synthesis.{'index' if limit == first else 'ratio'}", limit=limit) for limit in limits
-    }
+    heads = {x: words(f"synthesis.{'index' if x == first else 'ratio'}", limit=x) for x in limits}
     heads |= {"direction": words("synthesis.direction"), "reduction": words("synthesis.change")}
     heads |= {"static_pga_g": words("synthesis.static", limit=farthest)}
     judged = [limit for limit in limits if limit in ("SLV", "SLC")] or limits  # as `verified` of a row
@@ -233,10 +219,9 @@ def _cells(results: Results, row: SummaryRow, first: str | None, listed: Sequenc
     found: Row = {"state": row.state} | present({"direction": row.direction}) | {"verified": row.verified}
     found |= {limit: written("zeta_E", check.zeta_E, words) for limit, check in row.checks.items()}
     if row.state != ORIGINAL and first and (check := row.checks.get(first)):
-        same = check.loss is not None and check.distinguishable is False
-        found["reduction"] = (
-            words("value.indistinct") if same else None if check.loss is None else -check.loss
-        )
+        loss = check.loss
+        same = loss is not None and check.distinguishable is False
+        found["reduction"] = words("value.indistinct") if same else None if loss is None else -loss
     asked = {"static_pga_g": bool(row.checks), "d_0_m": row.alpha_0 is not None}
     asked["dynamic_pga_g"] = results.states[row.state].incremental.fragility is not None
     for name in listed:

@@ -163,9 +163,7 @@ def draw_spectra(results: Results, words: Words, views: Views, limit: str) -> Fi
                     demand = "spectrum"
         if point.d_star_m is not None:
             d_star = mm * point.d_star_m
-            axes.plot(
-                d_star, known(point.a_star_g), marker="s", color="0.0", markersize=4.5, linestyle="none"
-            )
+            axes.plot(d_star, known(point.a_star_g), "s", color="0.0", markersize=4.5)
             axes.annotate(f"d*_{limit}", (d_star, 0.0), (3.0, 7.0), **NAMED)
             if point.T_s:
                 axes.plot([0.0, d_star], [0.0, secant], color="0.0", linewidth=0.6, linestyle=DASHES[1])

@@ -52,9 +52,7 @@ LEGEND = 2  # columns
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)), (0, (3, 3)), (0, (8, 2)))
 # of states: dark, so that grey prints
 COLOURS = ("#000000", "#1b4f9c", "#a33c0a", "#2f6b2a", "#6b2c82", "#5a4a1f")
-SYMBOL = re.compile(
-    r"(?<![\w$\\])(α_[yu0]|d_[y0]|S_(?:De|[ea])|a_g|R_[xz]|(?:T|d\*)_SL[OVDC]|α₀|d₀|T₀)(?!\w)"
-)
+SYMBOL = re.compile(r"(?<![\w$\\])(α_[yu0]|d_[y0]|S_(?:De|[ea])|a_g|R_[xz]|(?:T|d\*)_SL[OVDC]|[αdT]₀)(?!\w)")
 SCALES = tuple(step * 10.0**power for power in range(5) for step in (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.5))
 
 

@@ -196,9 +196,8 @@ def write_deformed(results: Results, path: Path) -> None:
                     space.add_circle(point, HINGE_RADIUS * size, dxfattribs={"layer": layer})
         for at in situations(results):
             if lines := thrust_lines(joint_states(results, at)):
-                layer = (
-                    f"{_layer(results, at.state)}_THRUST_{SIDES[at.direction] if at.direction else 'REST'}"
-                )
+                way = SIDES[at.direction] if at.direction else "REST"
+                layer = f"{_layer(results, at.state)}_THRUST_{way}"
                 drawing.layers.add(layer, color=5)
                 for start, end in lines:
                     space.add_line(start, end, dxfattribs={"layer": layer})

@@ -104,9 +104,8 @@ def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figur
         ghost(axes, start)
         fill_roles(axes, view)
         parts.draw_ties(page, axes, tie_ends(results, state, at))
-    page.legend(
-        [parts.ghost_handle(words.plain("figure.at_rest")), *parts.tie_handles(results, words, state)], words
-    )
+    outline = parts.ghost_handle(words.plain("figure.at_rest"))
+    page.legend([outline, *parts.tie_handles(results, words, state)], words)
     return page.figure
 
 

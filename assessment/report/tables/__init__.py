@@ -50,10 +50,8 @@ def curves(name: str, columns: str) -> Callable[[Callable[[Results], Curves]], M
         @wraps(found)
         def rows(results: Results) -> Iterator[Row]:
             for place, arrays in found(results):
-                yield from (
-                    dict(zip(columns.split(), (*place, *point), strict=True))
-                    for point in zip(*arrays, strict=True)
-                )
+                for point in zip(*arrays, strict=True):
+                    yield dict(zip(columns.split(), (*place, *point), strict=True))
 
         return table(name, columns)(rows)
 

@@ -149,9 +149,7 @@ def calculations(results: Results) -> Iterator[tuple[str, str, str, list[Line]]]
         yield "", "", f"spectrum {limit}", demand.trace or []
     found: list[tuple[str, str, str, Capacity | GivenMechanism]] = []
     found += [(name, direction, "", capacity) for name, direction, capacity in capacities(results)]
-    found += [
-        (given.state, given.direction or "", f"{given.name}: ", given) for given in results.mechanisms or []
-    ]
+    found += [(each.state, each.direction or "", f"{each.name}: ", each) for each in results.mechanisms or []]
     for state, direction, prefix, of in found:
         steps = {"capacity": of.trace} | {limit: check.trace for limit, check in of.checks.items()}
         if isinstance(of, Capacity):
@@ -178,9 +176,8 @@ def trace(results: Results) -> Found:
 
 def _indices(results: Results, columns: str) -> Iterator[Row]:
     """Yield the indices of every state, as far as known; null: no capacity in a direction."""
-    known = {
-        name: present(cells(found, columns.split())) for name, found in determined_indices(results).items()
-    }
+    found = determined_indices(results).items()
+    known = {name: present(cells(each, columns.split())) for name, each in found}
     told = {key for row in known.values() for key in row} | {"zeta_SLV", "IS_V"}
     nothing = dict.fromkeys(key for key in HEADLINES if key in told and key in columns.split())
     yield from ({"state": name} | known.get(name, nothing) for name in _states(results))

@@ -129,10 +129,8 @@ def incremental(results: Results) -> Found:
     """List what every record comes to from every state: the levels of its worse sign, none where that is not known."""
     for name, state in results.states.items():
         for record in state.incremental.records or []:
-            worse = [
-                cells(each, LEVELS.split()) | bands(each) for each in record.signs if each.sign == record.sign
-            ]
-            yield {"state": name} | (worse[0] if worse else {}), record
+            worse = next((each for each in record.signs if each.sign == record.sign), None)
+            yield {"state": name} | (cells(worse, LEVELS.split()) | bands(worse) if worse else {}), record
 
 
 @table("campaign", CAMPAIGN)
@@ -159,9 +157,7 @@ def _fragilities(results: Results, analysis: str) -> Iterator[Row]:
 
 for _analysis, _place in (("incremental", "state"), ("campaign", "settlement share")):
     table(f"{_analysis}_curves", f"{_place} {POINTS}")(partial(_points, analysis=_analysis))
-fragilities = table("campaign_fragility", f"{MOVED} {FRAGILITY}")(
-    lambda results: _fragilities(results, "campaign")
-)
+fragilities = table("campaign_fragility", f"{MOVED} {FRAGILITY}")(lambda made: _fragilities(made, "campaign"))
 records = table("campaign_records", parts.CampaignRecord)(
     lambda results: results.campaign.records if results.campaign else []
 )

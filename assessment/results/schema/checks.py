@@ -113,8 +113,7 @@ class Capacity(_Checked, MassShares):
 
     run: Run | None = optional("which run it is of; missing: not told")
     sliding: Sliding | None = optional(
-        "law of friction of its α_0: that of the curve, or the other one where its α_0 is lower and none was "
-        "asked for"
+        "law of friction of its α_0: that of the curve, or the other one where its α_0 is lower and none was asked for"
     )
     other_law: OtherLaw | None = optional("by the other law of friction, where α_0 differs by 1 % or more")
     mechanism: Count = key("the mechanism", "Meccanismo|Mechanism")

@@ -260,8 +260,7 @@ class Fragility(Part):
     band: list[list[float]] = key("probability, 95 % bounds of its level; empty: few records", unit="–, g")
     measures: list[MeasureFit] = key("the same levels by other measures of the records; of stripes none")
     rule: str | None = key(
-        "NTC 2018, §7.3.5: the mean of seven records or more, the lowest of three to six; null: fewer, or "
-        "stripes",
+        "NTC 2018, §7.3.5: the mean of seven records or more, the lowest of three to six; null: fewer, or stripes",
         "Regola, §7.3.5|Rule, §7.3.5",
     )
     pga_collapse_g: float | None = key("what counts by it, without a rule the lowest; null: open, or stripes")
