@@ -31,14 +31,15 @@ class PushoverTolerances:
 
     `still`: displacement of a control point, as a share of the largest displacement, below which it takes no part;
     `largest`: increments that a block may move in a step in which the control point moves less. As shares of the
-    largest multiplier: `zero`, a multiplier that counts as zero (located to as much of a step: else it jumps); `flat`,
-    a change that does not count; `closing`, to which the peak behind a joint that closes is located. `wedged`:
-    multiplier beyond which the load only wedges the blocks, times that of limit analysis where this is above 1;
-    `points`: most points of a curve; `bends`: slopes of an elastic curve by which α rises beyond a change that does not
-    count, without another branch.
+    largest multiplier: `spent`, from which on down it takes part with rigid joints; `zero`, what counts as zero
+    (located to as much of a step: else it jumps); `flat`, a change that does not count; `closing`, to which the peak
+    behind a joint that closes is located. `wedged`: multiplier beyond which the load only wedges the blocks, times that
+    of limit analysis where this is above 1; `points`: most points of a curve; `bends`: slopes of an elastic curve by
+    which α rises beyond a change that does not count, without another branch.
     """
 
     still: float = 1e-3
+    spent: float = 0.5
     largest: float = 2.0
     zero: float = 1e-6
     flat: float = 1e-3
@@ -286,18 +287,24 @@ class PushPath:
         return last
 
     def _overturns(self) -> bool:
-        """Return whether the structure falls at α = 0, wherever it comes to rest: as drawn, if the control point moves.
-
-        What falls without it may be a loose block, which lets elastic joints go back; in a settled state a hinge of the
-        settlement may close.
-        """
+        """Return whether the structure falls at α = 0, wherever it rests: no loose block or hinge that closes alone."""
         return self.drawn and self.takes_part(-1, self.far)
 
-    def takes_part(self, point: int, displacement: float) -> bool:
-        """Return whether the control point takes part in what has moved at a point if that is its displacement (m)."""
-        one, two = (self.points[k].step.state.positions for k in (0, point))
-        moved = float(abs(two - one)[:, :2].max())
-        return displacement >= self.tolerances.still * moved
+    def takes_part(self, point: int, displacement: float, since: int = 0) -> bool:
+        """Return whether the control point takes part in what moves between two points if it goes that far (m)."""
+        one, two = (self.points[k].step.state.positions for k in (since, point))
+        return displacement >= self.tolerances.still * float(abs(two - one)[:, :2].max())
+
+    @property
+    def descent(self) -> int:
+        """The point from which a rigid curve comes down to its end; the first of another, and of one that does not."""
+        above = np.flatnonzero(self.multiplier >= self.tolerances.spent * self.largest)[-1]
+        return int(above) if self.system.rigid and above < len(self.points) - 1 else 0
+
+    def goes_over(self) -> bool:
+        """Return whether the control point takes part in the path, and in what goes over at its end."""
+        since, d = self.descent, self.displacement
+        return self.takes_part(-1, d.max()) and self.takes_part(-1, abs(d[since:] - d[since]).max(), since)
 
     def _snap_through(self) -> None:
         """Go on where the structure comes to rest farther on with its largest load held: no capacity ends there.
@@ -325,10 +332,7 @@ class PushPath:
         return rested if self.along(rested.state.positions) > farthest_back else None
 
     def _go_on_from(self, held: Equilibrium, jumped: bool = True) -> bool:
-        """Add the onset of a new push where blocks that were released rest; return False if no push moves them there.
-
-        `jumped`: whether they jumped there.
-        """
+        """Add the onset of a push where released blocks rest, if they `jumped` there too; False if none moves them."""
         try:
             start = self._start(held.state)
             sound(start.step)

@@ -44,18 +44,17 @@ class Pushover:
 
     `displacement` (k,) m of the `control` point, a drawn point (2,) m of the `block` of that number, positive along the
     push; `multiplier` (k,); `states` of each point; `steps`: the equilibria of the points (rigid joints: none at the
-    onset); `certificates` of every point.
-    `reached_zero`: whether the last point has α = 0; `lost`: whether the curve ends because no equilibrium lies beyond
-    its last point; `end`: why it ends; `crossed` (n, 2) m: displacements between which a part moves by itself, until
-    other blocks hold it again. `formed`: index of the point of the mechanism, the first from the peak on in which the
-    control point moves; `mechanism` (b, 3): its virtual displacements; `forces` (j, 3): N, P and T of the `contacts`
-    there, kN and kNm. `sliding`: whether what slides lifts ("associative") or not ("coulomb"); `lifting`: number of
-    points solved with a dilation where the latter was not; `dropped` (n, 2): displacements (m) and multipliers of those
-    replaced or left out, as limit analysis has less in their states. Of the `model`, pushed in a `direction`. `peak`:
-    index of the first point of the largest multiplier, or that is no less than `alpha_0`: the largest multiplier that,
-    held, does not fell the structure, where that is less (α_0 of results with rigid joints, α_u with elastic ones). In
-    a settled state the onset may be a local motion that closes a hinge of the settlement: the multiplier then rises
-    before it falls.
+    onset); `certificates` of every point. `reached_zero`: whether the last point has α = 0; `lost`: whether the curve
+    ends because no equilibrium lies beyond its last point; `end`: why it ends; `crossed` (n, 2) m: displacements
+    between which a part moves by itself, until other blocks hold it again. `formed`: index of the point of the
+    mechanism, the first from the peak on in which the control point moves; `mechanism` (b, 3): its virtual
+    displacements; `forces` (j, 3): N, P and T of the `contacts` there, kN and kNm. `sliding`: whether what slides lifts
+    ("associative") or not ("coulomb"); `lifting`: number of points solved with a dilation where the latter was not;
+    `dropped` (n, 2): displacements (m) and multipliers of those replaced or left out, as limit analysis has less in
+    their states. Of the `model`, pushed in a `direction`. `peak`: index of the first point of the largest multiplier,
+    or that is no less than `alpha_0`: the largest multiplier that, held, does not fell the structure, where that is
+    less (α_0 of results with rigid joints, α_u with elastic ones). In a settled state the onset may be a local motion
+    that closes a hinge of the settlement: the multiplier then rises before it falls.
     """
 
     control: Array
@@ -157,7 +156,7 @@ def pushover(
     try:
         return _result(curve)
     except ControlError:  # another part moves farther on: the curve is of what goes farthest
-        begun, moved = curve.points[0].step.state.positions, curve.last.positions
+        begun, moved = curve.points[curve.descent].step.state.positions, curve.last.positions
         point, _ = farthest_corner(model, begun, moved, direction)
         return _result(_followed(replace(first, control=point), system, state))
 
@@ -195,7 +194,7 @@ def _result(curve: PushPath) -> Pushover:
     hidden = curve.model.rounding > START.resolved and curve.alpha >= curve.largest
     if not curve.system.rigid and curve.drawn and (alone or hidden):
         raise no_way_from_rest(curve.model, curve.end)
-    if alone or not curve.takes_part(-1, max(curve.displacement)):
+    if alone or not curve.goes_over():
         raise ControlError(message(
             "control = {point} takes no part in the mechanism along {direction}, "
             "or the increment is too large: {reason}",
@@ -218,9 +217,11 @@ def _result(curve: PushPath) -> Pushover:
 
 def _mechanism(curve: PushPath, peak: int) -> tuple[int, Array]:
     """Return the point at which the mechanism of a peak forms, and its displacements (b, 3)."""
+    little = 1e-6 * curve.model.size
     for point in range(peak, len(curve.points)):
-        mechanism = _mechanism_at(curve, point)
-        if _takes_part(curve, point, mechanism):
+        mechanism, at = _mechanism_at(curve, point), curve.points[point].step.state.positions
+        moved = at + little / float(abs(mechanism[:, :2]).max()) * mechanism
+        if curve.along(moved) - curve.along(at) >= curve.tolerances.still * little:
             return point, mechanism
     return peak, _mechanism_at(curve, peak)
 
@@ -235,10 +236,3 @@ def _mechanism_at(curve: PushPath, point: int) -> Array:
     begin = min(point, len(curve.points) - 2)
     one, two = (each.step.state.positions for each in curve.points[begin : begin + 2])
     return two - one
-
-
-def _takes_part(curve: PushPath, point: int, mechanism: Array) -> bool:
-    """Whether virtual displacements (b, 3) at a point move the control point along the push."""
-    fastest = float(abs(mechanism[:, :2]).max())
-    little, at = 1e-6 * curve.model.size / fastest, curve.points[point].step.state.positions
-    return curve.along(at + little * mechanism) - curve.along(at) >= curve.tolerances.still * little * fastest
