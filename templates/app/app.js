@@ -78,7 +78,11 @@ export const outdated = () => !formed.has(store.state.digest);
 export const forms = () => { formed = new Set([store.state.digest]); };
 const shifts = (changes) => changes.some(([path, value]) => value === null && Number.isInteger(path.at(-1)));
 // changes: [path, value] each, or a function that makes them when it is their turn; at: their places are those of the forms
-export const edit = (changes, at = false) => inTurn(async () => {
+export const edit = (changes, at = false) => {
+  sending += 1;
+  return inTurn(() => written(changes, at)).finally(() => { sending -= 1; setTimeout(later); });
+};
+const written = async (changes, at) => {
   const { digest, project } = store.state, all = typeof changes === "function" ? changes() : changes;
   $("saved").textContent = w("saving");
   let text = null;
@@ -94,7 +98,7 @@ export const edit = (changes, at = false) => inTurn(async () => {
   $("saved").textContent = text === null ? w("saved") : "";
   note(text);
   return text;
-});
+};
 export const step = (name) => inTurn(async () => {
   let text = null;
   try { await ask(name, { digest: store.state.digest }); }
@@ -153,8 +157,12 @@ const render = () => {
   document.documentElement.lang = store.language ??= navigator.language?.startsWith("it") ? "it" : "en";
   document.title = open ? `${content().title ?? state.folder} · Assesto` : "Assesto";
   $("title").textContent = open ? content().title ?? state.folder : "";
-  $("steps").replaceChildren(...(open ? steps.map((name, k) => el("button", { type: "button", "data-step": name,
-    "aria-current": name === store.step ? "step" : null, onclick: () => go(name) }, `${k + 1} ${w(name)}`)) : []));
+  const of = `${open} ${store.step} ${store.language}`;
+  if ($("steps").dataset.of !== of) {
+    $("steps").dataset.of = of;
+    $("steps").replaceChildren(...(open ? steps.map((name, k) => el("button", { type: "button", "data-step": name,
+      "aria-current": name === store.step ? "step" : null, onclick: () => go(name) }, `${k + 1} ${w(name)}`)) : []));
+  }
   for (const name of ["undo", "redo"]) {
     $(name).disabled = !state[name];
     $(name).title = w(name);
@@ -181,21 +189,55 @@ export const ready = () => Boolean(store.state.tag) && !store.state.problems.len
   && store.model?.tag === store.state.tag && !store.model.error;  // what a run would find wrong is known by now
 export const go = (name) => { Object.assign(store, { step: name, tool: "select" }); drawing.home(); render(); };
 
-let waiting = false;
-export const renderPanel = () => {
-  const at = document.activeElement, inside = $("panel").contains(at);
-  if (inside && at.dataset.typed) { waiting = true; return; }  // not under the hands of who is typing
-  waiting = false;
-  const key = inside ? at.dataset.at ?? at.id : null, top = $("panel").scrollTop;
-  const open = new Set([...$("panel").querySelectorAll("details[open]")].map((each) => each.dataset.at));
-  panel();
-  $("panel").querySelectorAll("details").forEach((each) => { if (open.has(each.dataset.at)) each.open = true; });
-  $("panel").scrollTop = top;
-  if (key) ($("panel").querySelector(`[data-at="${CSS.escape(key)}"]`) ?? $(key))?.focus();
+// ---- the panel is drawn again, and not under the hands of who types, chooses or presses in it ----
+let waiting = false, held = false, sending = 0;  // sending: changes on their way, without which a field would show what it had
+const later = () => { if (waiting) { renderPanel(); problems(); } };
+const NAMES = ["data-at", "id", "data-add", "data-remove"];
+const placeOf = (control) => {  // a selector that finds it, or what has taken its place
+  const folded = control.tagName === "SUMMARY", named = folded ? control.parentElement : control;
+  const name = NAMES.find((each) => named.hasAttribute(each));
+  return name ? `[${name}="${CSS.escape(named.getAttribute(name))}"]${folded ? " > summary" : ""}` : null;
 };
-$("panel").addEventListener("focusout", () => setTimeout(() => { if (waiting) renderPanel(); }, 150));
+export const renderPanel = () => {
+  const at = document.activeElement, box = $("panel"), inside = at !== box && box.contains(at);
+  if (held || sending || (inside && (at.dataset.typed || at.dataset.opened))) { waiting = true; return; }
+  waiting = false;
+  const place = inside ? placeOf(at) : null, top = box.scrollTop, find = (selector) => (selector ? box.querySelector(selector) : null);
+  const marked = inside && typeof at.selectionStart === "number" ? [at.selectionStart, at.selectionEnd] : null;
+  const whole = marked && marked[0] === 0 && marked[1] === at.value.length;
+  const half = outdated() ? [] : [...box.querySelectorAll("[data-typed]")].map((each) => [placeOf(each), each.value]);
+  const open = new Set([...box.querySelectorAll("details[open]")].map((each) => each.dataset.at));
+  panel();
+  box.querySelectorAll("details").forEach((each) => { if (open.has(each.dataset.at)) each.open = true; });
+  half.forEach(([selector, value]) => {  // of a pair, what waits for its other half
+    const control = find(selector);
+    if (control) { control.value = value; control.dataset.typed = "1"; }
+  });
+  box.scrollTop = top;
+  const control = find(place);
+  control?.focus({ preventScroll: true });
+  if (whole) control?.select?.();
+  else if (marked) control?.setSelectionRange?.(...marked);
+};
+$("panel").addEventListener("focusout", (event) => { delete event.target.dataset.opened; setTimeout(later, 150); });
+$("panel").addEventListener("change", (event) => { delete event.target.dataset.opened; });
+const pressed = ({ type, target }) => {
+  const list = target.closest("select");
+  if (list) { list.dataset.opened = "1"; return; }  // a list that is drawn again closes
+  if (type === "keydown") return;
+  held = true;  // a button that is drawn again, or moves as a meaning folds, is not pressed
+  document.activeElement.closest(".field")?.classList.add("told");
+};
+const released = () => {
+  held = false;
+  $("panel").querySelectorAll(".told").forEach((each) => each.classList.remove("told"));
+  later();
+};
+for (const part of ["panel", "problems"]) for (const name of ["pointerdown", "keydown"]) $(part).addEventListener(name, pressed);
+for (const name of ["pointerup", "pointercancel"]) addEventListener(name, () => setTimeout(released));
 
 const problems = () => {
+  if (held) { waiting = true; return; }
   const { state, model } = store, said = [];
   const line = (text, kind, ...more) => said.push(el("p", { className: kind }, text, ...more));
   notes.forEach((text) => line(`✗ ${text}`, "wrong"));

@@ -71,14 +71,15 @@ const parts = (text) => text.split(/[;\n]/).map((part) => part.trim()).filter(Bo
 
 // ---- one field ----
 const commit = async (control, path, value) => {
-  const error = await edit([[path, value]], true), box = control.closest(".field");
-  delete control.dataset.typed;
+  const box = control.closest(".field"), sent = [...box.querySelectorAll("[data-typed]")].map((each) => [each, each.value]);
+  const error = await edit([[path, value]], true);
+  sent.forEach(([each, text]) => { if (each.value === text) delete each.dataset.typed; });  // else there is more to come
   if (outdated()) return renderPanel();  // the field may be of another entry by now
-  if (!box?.isConnected) return;
+  if (!box.isConnected) return;
   box.classList.toggle("wrong", Boolean(error));
   Object.assign(box.querySelector(".error"), { hidden: !error, textContent: error ?? "" });
 };
-const typed = (event) => { event.target.dataset.typed = "1"; };
+export const typed = (event) => { event.target.dataset.typed = "1"; };
 const input = (at, value, shown, save, more = {}) => el("input", { type: "text", "data-at": at, value, autocomplete: "off",
   placeholder: shown, oninput: typed, onchange: (event) => save(event.target), ...more });
 

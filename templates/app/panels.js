@@ -2,7 +2,7 @@
 import { $, ask, attempt, content, edit, el, forms, note, number, poll, ready, renderPanel, store, take, w } from "./app.js";
 import { add, freeName, straight } from "./drawing.js";
 import { chart } from "./charts.js";
-import { form, labelOf, parsed, section, supports, tableOf, valueName } from "./form.js";
+import { form, labelOf, parsed, section, supports, tableOf, typed, valueName } from "./form.js";
 
 const TABLES = {  // of the project file, in each step; one that no step names is shown with the drawing
   drawing: ["geometry"],
@@ -34,7 +34,7 @@ const dropper = (kind, text, accept) => {
 
 // ---- 0: no project ----
 const asked = (id, label, value, more = {}) =>
-  el("label", { className: "field" }, el("span", {}, label), el("input", { id, value, "data-at": id, ...more }));
+  el("label", { className: "field" }, el("span", {}, label), el("input", { id, value, "data-at": id, oninput: typed, ...more }));
 const make = (given) => attempt(async () => { await ask("new", given); await poll(); });
 const open = (folder) => attempt(async () => { await ask("open", { folder }); await poll(); });
 const fromDrawing = (dropped) => {
@@ -47,7 +47,7 @@ const fromDrawing = (dropped) => {
     small(Object.entries(dropped.layers).map(([layer, n]) => `${layer}: ${n}`).join(" · ")),
     ...(dropped.notes.length ? [small(w("proposed")), el("ul", {}, ...dropped.notes.map((each) => el("li", { className: "note" }, each[language])))] : []),
     asked("new-title", w("title"), dropped.name.replace(/\.dxf$/i, "")),
-    el("label", { className: "field" }, el("span", {}, w("unit_of_drawing")), el("select", { id: "new-unit" }, ...units)),
+    el("label", { className: "field" }, el("span", {}, w("unit_of_drawing")), el("select", { id: "new-unit", onchange: typed }, ...units)),
     asked("new-depth", w("depth"), "", { inputMode: "decimal" }),
     asked("new-weight", w("unit_weight"), "", { inputMode: "decimal", placeholder: "18" }),
     button(w("make"), begin, { className: "main", id: "new-make" }));
@@ -273,7 +273,7 @@ const reportPanel = () => {
   return [...sections(["report"], { report: { first: ["language", "client", "engineer", "location", "attachments"] } }),
     dropper("picture", w("drop_picture"), ".png,.jpg,.jpeg"), el("h3", {}, w("judgement")), small(w("judgement_help")),
     el("textarea", { id: "judgement", "data-at": "judgement", value: opinion.text, disabled: !results, onchange: keep,
-      oninput: (event) => { event.target.dataset.typed = "1"; } }),
+      oninput: typed }),
     el("details", { "data-at": "preview" }, el("summary", {}, w("preview_text")), ...marked(opinion.text)),
     el("p", { className: "row" }, button(w("print"), print, { id: "print", disabled: !results || run.running }),
       ...links.map((name) => el("a", { href: `/output/${name}?project=${store.state.project}`, download: name }, name))),

@@ -268,6 +268,63 @@ def test_with_the_keyboard_alone(page, home):
     assert len(file_of(home, "keys")["settlements"]) == 1
 
 
+DRAWN = "import('/static/app.js').then((app) => app.renderPanel())"  # as when a check comes back, or a run goes on
+
+
+def test_a_form_that_is_drawn_again_keeps_what_is_typed_marked_and_pressed(page, home):
+    begin(page, home, "typist")
+    page.click("[data-step=materials]")
+
+    # what is marked is replaced by what is typed
+    page.focus("[data-at='material.unit_weight_kN_m3']")
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.dataset.at") == "material.friction"
+    page.evaluate(DRAWN)
+    page.keyboard.type("0,7")
+    changed(page, lambda: page.keyboard.press("Enter"))
+    assert file_of(home, "typist")["material"]["friction"] == 0.7
+
+    # an entry on its way is shown, also where what is typed next waits for it
+    def leave():
+        page.focus("[data-at='material.friction']")
+        page.keyboard.press("Control+a")
+        page.keyboard.type("0,5")
+        page.keyboard.press("Tab")
+        page.evaluate(DRAWN)
+        assert page.input_value("[data-at='material.friction']") == "0,5"
+
+    changed(page, leave)
+    assert file_of(home, "typist")["material"]["friction"] == 0.5
+
+    # the first half of a pair, while the second is not there
+    page.click("[data-step=site]")
+    changed(page, lambda: page.click("[data-add=sensitivity]"))
+    page.focus("[data-at='sensitivity.friction.0']")
+    page.keyboard.type("0,8")
+    page.keyboard.press("Tab")
+    page.evaluate(DRAWN)
+    page.keyboard.type("1,2")
+    changed(page, lambda: page.keyboard.press("Enter"))
+    assert file_of(home, "typist")["sensitivity"]["friction"] == [0.8, 1.2]
+
+    # a button under the finger, and one that has the focus
+    page.wait_for_selector("#problems .wrong:has-text('sensitivity')")
+    page.hover("[data-remove=sensitivity]")
+    page.mouse.down()
+    page.evaluate(DRAWN)
+    changed(page, page.mouse.up)
+    assert "sensitivity" not in file_of(home, "typist")
+    page.focus("[data-add=sensitivity]")
+    page.evaluate(DRAWN)
+    assert page.evaluate("document.activeElement.dataset.add") == "sensitivity"
+    page.hover("[data-step=push]")
+    page.mouse.down()
+    file = home / "typist" / "project.toml"
+    changed(page, lambda: file.write_bytes(b"scatter = 1\n" + file.read_bytes()))
+    page.mouse.up()
+    page.wait_for_selector("body[data-step=push]")
+
+
 def test_what_goes_wrong_is_told_and_nothing_is_lost(page, home):
     begin(page, home, "wrong")
     folder = home / "wrong"
