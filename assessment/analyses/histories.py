@@ -111,12 +111,10 @@ def lowest_median_highest(values: Sequence[float | None]) -> tuple[float | None,
 PEAK = "peak_displacement_m"
 
 
-def histories(
-    inputs: time_history.MotionInputs, motions: list[BaseMotion]
-) -> list[time_history.FoundHistory]:
-    """Return every time history that the project asks for, state by state."""
+def histories(inputs: time_history.MotionInputs, asked: list[BaseMotion]) -> list[time_history.FoundHistory]:
+    """Return every time history that the project asks for, state by state; `asked`: the motions of its tables."""
     accuracy, scatter, states = accuracy_of(inputs.project), scatter_of(inputs.project), inputs.project.states
-    tables = zip(inputs.project.history, motions, strict=True)
+    tables = zip(inputs.project.history, asked, strict=True)
     tasks = [task for table, motion in tables for task in inputs.tasks(table, motion)]
     tasks.sort(key=lambda task: states.index(task.state))
     studies = [HistoryStudy(task, accuracy, scatter) for task in tasks]
@@ -214,21 +212,15 @@ class Refinement:
         elif self.scatters is not None:
             text = message(
                 "{key} scatters by {error:.2g} % between records that differ by 1 %, more than between time steps, "
-                "tolerance {tolerance:.2g} %; the range tells how sure it is",
-                key=PEAK,
-                error=100.0 * self.unsure,
+                "tolerance {tolerance:.2g} %; the range tells how sure it is", key=PEAK, error=100.0 * self.unsure,
                 tolerance=100.0 * tolerance,
-            )
+            )  # fmt: skip
         else:
             text = message(
                 "estimated error of {key} {error:.2g} % by time steps down to 1/{times} of those given, "
-                "tolerance {tolerance:.2g} %; take a smaller {keys}",
-                key=PEAK,
-                error=100.0 * self.unsure,
-                times=2 ** (len(self.values) - 1),
-                tolerance=100.0 * tolerance,
-                keys="time_step_s",
-            )
+                "tolerance {tolerance:.2g} %; take a smaller {keys}", key=PEAK, error=100.0 * self.unsure,
+                times=2 ** (len(self.values) - 1), tolerance=100.0 * tolerance, keys="time_step_s",
+            )  # fmt: skip
         return [headed(title, text)]
 
 

@@ -189,15 +189,13 @@ def hinges_of(chosen: Chosen, closed: Closed) -> list[Hinge]:
     return found
 
 
-def finite_motion(
-    model: Assembly, positions: Array, chosen: Chosen, hinges: list[Hinge]
-) -> tuple[Array, Array]:
+def finite_motion(model: Assembly, start: Array, chosen: Chosen, hinges: list[Hinge]) -> tuple[Array, Array]:
     """Return positions (k, b, 3) and multipliers (k,) of a mechanism until α = 0. Raises KinematicsError."""
-    origin = np.array([positions[part.blocks, :2].mean(axis=0) for part in chosen.parts])
+    origin = np.array([start[part.blocks, :2].mean(axis=0) for part in chosen.parts])
     parts = _Parts([part.blocks for part in chosen.parts], origin, hinges)
     q = np.zeros((len(chosen.parts), 3))
     rate = parts.rate(q, np.array([part.rotation for part in chosen.parts]))
-    at, alpha = [positions], [_multiplier(model, positions, parts.motion(positions, q, rate))]
+    at, alpha = [start], [_multiplier(model, start, parts.motion(start, q, rate))]
     rotation = 0.0
     while alpha[-1] > 0.0:
         if rotation > MOTION.farthest:
@@ -206,7 +204,7 @@ def finite_motion(
         q = parts.step(q, rate)
         rate = parts.rate(q, rate[:, 2])
         rotation += MOTION.step
-        at.append(parts.placed(positions, q))
+        at.append(parts.placed(start, q))
         alpha.append(_multiplier(model, at[-1], parts.motion(at[-1], q, rate)))
     if parts.drift(q) > MOTION.open * model.size:
         opened = message("its hinges do not stay closed as it moves: there are more of them than it can keep")
@@ -240,11 +238,10 @@ class _Parts:
         _, values, right = np.linalg.svd(rows, full_matrices=True)
         free = rows.shape[1] - int((values > 1e-7 * size).sum())
         if free != 1:
-            several = message(
+            raise KinematicsError(message(
                 "the hinges between its macro-blocks, points of joints that are closed, leave it "
                 "{count} independent motions, not one: it slides, or a centre lies on no joint", count=free,
-            )  # fmt: skip
-            raise KinematicsError(several)
+            ))  # fmt: skip
         found = right[-1].reshape(-1, 3)
         found = found / abs(found[:, 2]).max()
         return found if found[:, 2] @ rotations > 0.0 else -found
@@ -303,8 +300,8 @@ def _unhindered(model: Assembly, at: list[Array], parts: Sequence[NDArray[np.int
         owner[blocks] = k
     least = MOTION.overlap * min(block.area for block in model.blocks)
     for positions in [*at[1 : -1 : max(1, len(at) // 20)], at[-1]]:
-        outlines = [_outline(block.polygon - block.centroid, *place) for block, place in zip(
-            model.blocks, positions, strict=True)]  # fmt: skip
+        placed = zip(model.blocks, positions, strict=True)
+        outlines = [_outline(block.polygon - block.centroid, *place) for block, place in placed]
         pairs = shapely.STRtree(outlines).query(outlines, predicate="intersects").T
         for i, j in pairs[owner[pairs[:, 0]] < owner[pairs[:, 1]]].tolist():
             if _shared(model, positions, i, j) > least + _shared(model, at[0], i, j):

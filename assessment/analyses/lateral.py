@@ -337,8 +337,7 @@ def second_solver(
     began = time.perf_counter()
     found = Found[static.SecondSolver]()
     title = pushover_title(name, direction, "rigid")
-    linear: float | None = None
-    own: float | None = None
+    own = linear = None
     try:
         linear = procedures.static_theorem(model, direction, activated)
         if linear is None:
@@ -383,11 +382,10 @@ def with_control(project: Project, model: mechanics.Assembly) -> tuple[Project, 
         (x, z), block = procedures.farthest_corner(model, begun, moved, direction)
         name = CHOSEN[project.report.language].format(direction=direction)
         points.append(ControlTable(name=name, point_m=(float(x), float(z))))
-        note = message(
+        notes.append(message(
             "no control point given: towards {direction} that of block {block} at ({x:.4g}, {z:.4g}) m is followed, "
             "which goes farthest along the push", direction=direction, block=block, x=float(x), z=float(z),
-        )  # fmt: skip
-        notes.append(note)
+        ))  # fmt: skip
     changed: dict[str, object] = {"control": tuple(points)}
     if project.pushover:
         by_direction = {way: point.name for way, point in zip(directions, points, strict=True)}

@@ -65,11 +65,10 @@ def pressed_in(model: Assembly) -> list[Message]:
     if not held:
         return []
     some = ", ".join(map(str, held[:10])) + (" …" if len(held) > 10 else "")
-    told = message(
+    return [message(
         "stands only if pressed in: nothing presses the faces that hold these blocks: {blocks}; rigid joints "
         "may hold them by friction, elastic ones let them fall", blocks=some,
-    )  # fmt: skip
-    return [told]
+    )]  # fmt: skip
 
 
 def turns_on_rounding(path: Pushdown | Pushover) -> bool:

@@ -38,9 +38,8 @@ class _Shown:
     value: object
 
     def __format__(self, quantity: str) -> str:
-        if quantity:
-            return self.words.told(quantity, self.value)
-        return self.words.field(self.name, self.value)
+        words = self.words
+        return words.told(quantity, self.value) if quantity else words.field(self.name, self.value)
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,8 @@ from assessment.runtime.files import template
 VERTICAL = "vertical_record vertical_pga_g"
 HISTORY = f"""state record pga_g {VERTICAL} contacts control peak_displacement_m residual_displacement_m farthest_m
 farthest_left_m collapsed time_of_collapse_s"""
+RANGES = """state record integrator integrator_share members members_collapsed
+lowest_peak_m median_peak_m highest_peak_m"""
 ENERGY = "input kinetic potential elastic friction impact viscous integrator residual"
 LEVELS = "pga_safe_g lowest_collapse_g pga_collapse_g level_50_g level_84_g"
 BANDS = "resurrections widest_gap ?broken_tie"
@@ -29,6 +31,7 @@ CAMPAIGN = f"""settlement share record sign {LEVELS} pga_all_collapse_g {BANDS} 
 runs reason"""
 MOVED = "settlement share movement_m"
 LOST = "dynamic_loss_low dynamic_loss_high distinguishable"
+BESIDE = f"state analysis direction limit_state pga_surface_g over_static level_50_g capacity_loss {LOST}"
 COUNTED = "rule pga_collapse_g pga_all_collapse_g"
 COUNTS = ("withstood", "failed", "left_out")  # printed where they are not all zero
 
@@ -42,10 +45,7 @@ def histories(results: Results) -> Found:
         yield {"state": state} | cells(entry, [key for key in HISTORY.split() if key not in unasked])
 
 
-@table(
-    "history_ranges",
-    "state record integrator integrator_share members members_collapsed lowest_peak_m median_peak_m highest_peak_m",
-)
+@table("history_ranges", RANGES)
 def ranges(results: Results) -> Found:
     """List how every time history was integrated, by how many members, and the range of their peaks."""
     for state, entry in _histories(results):
@@ -178,10 +178,7 @@ def losses(results: Results) -> Found:
         yield row | lost(known(each.loss), "dynamic_loss"), each.loss
 
 
-@table(
-    "static_dynamic",
-    f"state analysis direction limit_state pga_surface_g over_static level_50_g capacity_loss {LOST}",
-)
+@table("static_dynamic", BESIDE)
 def static_dynamic(results: Results) -> Found:
     """Set static check, incremental analysis and campaign of each state on one reference: PGA at the surface, F_C = 1.
 

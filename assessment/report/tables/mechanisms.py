@@ -11,8 +11,6 @@ from assessment.report.tables import Found, capacities, table
 from assessment.report.tables.capacity import mechanism_text
 from assessment.results import hand_check as by_hand
 from assessment.results.frames import tie_ends, ties_of
-from assessment.results.hand_check import macro_blocks, rigid_push
-from assessment.results.hand_check import mechanisms as found_mechanisms
 from assessment.results.joint_states import Situation, joint_states, loaded, situations
 from assessment.results.schema import Capacity, Direction, GivenMechanism, Results, RigidPush
 from assessment.results.schema.part import Configuration, known, present
@@ -22,21 +20,20 @@ from mechanics.types import Array
 MOVES = 1e-6  # of the largest displacement
 RATIOS = {"ratio_SLV_linear": "SLV linear", "zeta_SLV": "SLV", "zeta_SLC": "SLC"}
 MECHANISM = "hinges sliding_joints moving_weight_kN e_star gamma_star"
+ALL = f"macro_element mechanism state direction alpha_0 alpha_onset a_0_star_g d_0_star_m {' '.join(RATIOS)}"
 OTHER_LAW = ("alpha_0_coulomb", "alpha_0_associative")
+FOUND = f"state direction alpha_0 {' '.join(f'?{key}' for key in OTHER_LAW)} ?mechanism_alpha {MECHANISM}"
 SECOND_SOLVER = ("alpha_0", "alpha_program", "alpha_linear_program", "relative_difference")
 COUNTED = 10  # hinges that have a word
 
 
-@table(
-    "mechanisms",
-    f"state direction alpha_0 {' '.join(f'?{key}' for key in OTHER_LAW)} ?mechanism_alpha {MECHANISM}",
-)
+@table("mechanisms", FOUND)
 def mechanisms(results: Results) -> Found:
     """List the rigid mechanism of every state and direction: that of α0, and its α by the other law of friction.
 
     `mechanism_alpha`: where the one listed is activated, if the control point takes no part in that of α0.
     """
-    for name, direction, rigid in found_mechanisms(results):
+    for name, direction, rigid in by_hand.mechanisms(results):
         found, other = rigid.mechanism, rigid.other_law
         row: Row = {"state": name, "direction": direction, "alpha_0": rigid.alpha_0}
         row |= {} if found.alpha == rigid.alpha_0 else {"mechanism_alpha": found.alpha}
@@ -47,7 +44,7 @@ def mechanisms(results: Results) -> Found:
 @table("second_solver", f"state direction sliding alpha_own_run {' '.join(SECOND_SOLVER[1:])}")
 def second_solver(results: Results) -> Found:
     """List multipliers of limit analysis by two programs, of the state's own run: beside its α0, `alpha_own_run`."""
-    for name, direction, rigid in found_mechanisms(results):
+    for name, direction, rigid in by_hand.mechanisms(results):
         if pair := rigid.second_solver:
             where = {"state": name, "direction": direction, "sliding": rigid.sliding}
             yield where | {"alpha_own_run": pair.alpha_0}, pair
@@ -55,8 +52,8 @@ def second_solver(results: Results) -> Found:
 
 def mechanism_name(results: Results, state: str, direction: Direction, words: Words) -> str:
     """Name the rigid mechanism of a state: overturning, sliding, of so many hinges or parts, and of which layers."""
-    found = rigid_push(results, state, direction).mechanism
-    turning = sum(bool(part.omega) for part in macro_blocks(results, state, direction))
+    found = by_hand.rigid_push(results, state, direction).mechanism
+    turning = sum(bool(part.omega) for part in by_hand.macro_blocks(results, state, direction))
     if not turning:
         name = words.plain("mechanism.sliding")
     elif turning == 1:
@@ -71,10 +68,7 @@ def mechanism_name(results: Results, state: str, direction: Direction, words: Wo
     return name if element == WHOLE else f"{name} ({element})"
 
 
-@table(
-    "all_mechanisms",
-    f"macro_element mechanism state direction alpha_0 alpha_onset a_0_star_g d_0_star_m {' '.join(RATIOS)}",
-)
+@table("all_mechanisms", ALL)
 def all_mechanisms(results: Results) -> Found:
     """List every mechanism that has a capacity: the layers that move, hinges and slides or its name, its ratios."""
     rows: list[Row] = []

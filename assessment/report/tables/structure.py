@@ -25,6 +25,9 @@ VARIABLE = {"variable_load_kN", "use_category", "psi_2"}
 MATERIAL = (
     "unit_weight_kN_m3 friction normal_stiffness_kN_m3 tangential_stiffness_kN_m3 compressive_strength_kN_m2"
 )
+SETTLEMENTS = """state ?after support displacement_x_m displacement_z_m rotation_rad
+ultimate_rigid_m ultimate_elastic_m"""
+TIES = "tie from_x_m from_z_m to_x_m to_z_m yield_force_kN stiffness_kN_m pretension_kN ultimate_elongation states"
 STRENGTHENING = "state of direction alpha_0 d_0_m alpha_u limit_state a_g_g zeta_E dynamic_pga_g gain"
 COMPARED = ("a_g_g", "alpha_0", "alpha_u", "dynamic_pga_g")  # of which the first that is known gives the gain
 COMPARISON = "state direction limit_state static_pga_g static_reduction dynamic_pga_g dynamic_reduction"
@@ -94,10 +97,7 @@ def reported_loads(results: Results, words: Words) -> Table:
     return Table("loads", rows, tuple(columns))
 
 
-@table(
-    "settlements",
-    "state ?after support displacement_x_m displacement_z_m rotation_rad ultimate_rigid_m ultimate_elastic_m",
-)
+@table("settlements", SETTLEMENTS)
 def settlements(results: Results) -> Found:
     """List the movements and how far each may go: the ultimate movement by kind of contact."""
     sought = taken_to_collapse(results.echo)
@@ -126,10 +126,7 @@ def pushover_curves(results: Results) -> Curves:
         yield tuple(where.values()), (push.curve.displacement_m, push.curve.multiplier)
 
 
-@table(
-    "ties",
-    "tie from_x_m from_z_m to_x_m to_z_m yield_force_kN stiffness_kN_m pretension_kN ultimate_elongation states",
-)
+@table("ties", TIES)
 def ties(results: Results) -> Found:
     """List the ties as drawn; null: no yield force, rigid, or no ultimate elongation."""
     for tie in results.model.ties or ():

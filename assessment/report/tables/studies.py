@@ -14,6 +14,7 @@ SCENARIOS = f"state movement_m direction {CAPACITY} reduction ultimate_rigid_m u
 SENSITIVITY = f"state property factor direction {CAPACITY}"
 ROUNDING = 1e-6  # of a capacity: what the solver may leave of a difference that is none
 RANGE = "_range"  # behind the name of a quantity, in the schema: the ends of its range
+HYPOTHESES = "hypothesis unknowns chi_squared degrees_of_freedom chi_squared_probability aic told_apart"
 MOVEMENTS = """hypothesis support displacement_x_m x_error_m displacement_z_m z_error_m
 rotation_mrad rotation_error_mrad"""
 MEASUREMENTS = """hypothesis number measurement measured_kind x_m z_m unit
@@ -109,13 +110,8 @@ def static_ranges(results: Results) -> Found:
         for where, part in (each for each in parts if each[0]["state"] == name):
             numbers = cells(part, type(part).model_fields)
             for quantity in (key.removesuffix(RANGE) for key in numbers if key.endswith(RANGE)):
-                low, high = numbers[f"{quantity}{RANGE}"]
-                yield where | {
-                    "quantity": quantity,
-                    "value": numbers[quantity],
-                    "lowest": low,
-                    "highest": high,
-                }
+                ends = dict(zip(("lowest", "highest"), numbers[f"{quantity}{RANGE}"], strict=True))
+                yield where | {"quantity": quantity, "value": numbers[quantity]} | ends
 
 
 # estimated errors: of capacities by state and direction, of peak displacements, of the PGA at collapse by record
@@ -150,9 +146,7 @@ def _explanations(results: Results) -> Sequence[Explanation]:
     return results.identification.hypotheses if results.identification else []
 
 
-@table(
-    "hypotheses", "hypothesis unknowns chi_squared degrees_of_freedom chi_squared_probability aic told_apart"
-)
+@table("hypotheses", HYPOTHESES)
 def hypotheses(results: Results) -> Found:
     """List every hypothesis: how well it fits, with how many unknowns."""
     for each in _explanations(results):
