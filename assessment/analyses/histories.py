@@ -22,16 +22,7 @@ from statistics import median
 import numpy as np
 
 from assessment.analyses import time_history
-from assessment.analyses.found import (
-    FIRST_ORDER,
-    LEVELS,
-    NOISE,
-    PRESETS,
-    Accuracy,
-    accuracy_of,
-    joined,
-    observed_order,
-)
+from assessment.analyses.found import FIRST_ORDER, LEVELS, NOISE, PRESETS, accuracy_of, joined, observed_order
 from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
 from assessment.results.schema import Band, ConvergenceRow, known
@@ -117,7 +108,7 @@ def histories(inputs: time_history.MotionInputs, asked: list[BaseMotion]) -> lis
     tables = zip(inputs.project.history, asked, strict=True)
     tasks = [task for table, motion in tables for task in inputs.tasks(table, motion)]
     tasks.sort(key=lambda task: states.index(task.state))
-    studies = [HistoryStudy(task, accuracy, scatter) for task in tasks]
+    studies = [HistoryStudy(task, accuracy.tolerance, scatter) for task in tasks]
     rounds = [[0]]  # halvings of the time step that are run together
     if accuracy.tolerance is not None:
         rounds = [list(range(LEVELS)), *([level] for level in range(LEVELS, accuracy.halvings + 1))]
@@ -229,7 +220,7 @@ class HistoryStudy:
     """One history: its members, by halvings of the time step, then by their place among the amplitudes."""
 
     task: time_history.Shaking
-    accuracy: Accuracy
+    tolerance: float | None
     scatter: Scatter
     members: dict[int, dict[int, time_history.FoundHistory]] = field(default_factory=dict)
 
@@ -257,12 +248,11 @@ class HistoryStudy:
     @property
     def finished(self) -> bool:
         """Whether no finer time step is needed."""
-        tolerance = self.accuracy.tolerance
         if not self.members:
             return False
-        if tolerance is None or not self.task.starts or self.finest < max(self.members):
+        if self.tolerance is None or not self.task.starts or self.finest < max(self.members):
             return True
-        return self.refinement.finished(tolerance)
+        return self.refinement.finished(self.tolerance)
 
     @property
     def refinement(self) -> Refinement:
@@ -284,7 +274,7 @@ class HistoryStudy:
 
     def result(self) -> time_history.FoundHistory:
         """Return the history of the members at the finest time step, with the error estimated from the other steps."""
-        title, tolerance = time_history.history_title(self.task), self.accuracy.tolerance
+        title, tolerance = time_history.history_title(self.task), self.tolerance
         found = together(title, list(self.members[self.finest].values()))
         found.seconds = sum(each.seconds for level in self.members.values() for each in level.values())
         if tolerance is None or not self.task.starts or found.numbers.collapsed is None:

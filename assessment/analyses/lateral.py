@@ -47,7 +47,7 @@ def rigid_push(control: ControlTable, path: procedures.Pushover) -> static.Rigid
         curve=_curve(path), d_star_m=_way_of_blocks(path, mechanism), mechanism=mechanism,
         virtual_work_alpha=finite(by_work), mechanism_configuration=model.displaced(at).tolist(),
         final_configuration=model.displaced(path.states[-1]).tolist(),
-        frames=frames.pushover_frames(model, path, met),
+        frames=frames.path_frames(path, path.peak, path.formed, met=met),
         **present({"ties": frames.along_path(path, path.formed, rigid=True)}),
     )  # fmt: skip
     if path.formed:
@@ -73,7 +73,7 @@ def elastic_push(path: procedures.Pushover) -> static.ElasticPush:
         alpha_y=yields[1] if yields else None, d_y_m=yields[0] if yields else None,
         rest_configuration=model.displaced(path.states[0]).tolist(),
         peak_configuration=model.displaced(path.states[path.peak]).tolist(),
-        frames=frames.pushover_frames(model, path, Met(model)),
+        frames=frames.path_frames(path, path.peak, path.formed),
         **present({"ties": frames.along_path(path, path.peak, rigid=False)}),
     )  # fmt: skip
 

@@ -11,7 +11,7 @@ import numpy as np
 import mechanics
 from assessment.analyses.found import Found
 from assessment.project.schema import ControlTable, SettlementTable
-from assessment.results.frames import along_path, normal_forces, pushdown_frames
+from assessment.results.frames import along_path, normal_forces, path_frames
 from assessment.results.schema import LocalLoss, PushdownPath, QualityRow, known, present
 from mechanics import Assembly, State
 from mechanics.messages import Message, message
@@ -269,5 +269,5 @@ def _pushdown_path(
         reaction_z_kN=path.reaction[:, 1].tolist(), ultimate_movement_m=path.ultimate, local_loss=lost,
         applied_movement_m=whole, end=path.end, configuration=model.displaced(path.final).tolist(),
         ultimate_configuration=model.displaced(path.states[-1]).tolist() if falls else None,
-        control_displacement_m=along, frames=pushdown_frames(model, path, whole), **present({"ties": ties}),
+        control_displacement_m=along, frames=path_frames(path, asked), **present({"ties": ties}),
     )  # fmt: skip

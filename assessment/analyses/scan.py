@@ -141,12 +141,8 @@ def scan(
 
 
 def scan_levels(
-    peak: Callable[[float], float],
-    pga: float,
-    reach: Reach,
-    near: float | None = None,
-    also: Sequence[float] = (),
-) -> None:
+    peak: Callable[[float], float], pga: float, reach: Reach, near: float | None = None, also: Sequence[float] = ()
+) -> None:  # fmt: skip
     """Ask for the `peak` (m; ∞: collapse) at levels (g) about the lowest collapse, and around those of `also` (g)."""
     lattice = _Lattice(peak, pga, reach)
     # outwards from the level expected: upwards until one falls, or downwards until one stands

@@ -142,17 +142,15 @@ def _motion(
     return replace(motion, vertical=_vertical(whole, motion.record, motion.start, where))
 
 
-def motion_of(
-    project: Project, key: str, table: MotionTable, original: Record, source: str = ""
-) -> BaseMotion:
+def motion_of(project: Project, key: str, table: MotionTable, whole: Record, source: str = "") -> BaseMotion:
     """Return the motion of a record (of the file `source`) in a table's window and step. Raises ProjectError."""
     if table.damping_ratio and table.contacts == "rigid":
         text = 'rigid contacts have no stiffness to damp; leave it out or write contacts = "elastic"'
         raise ProjectError(f"{project.source}: {key}.damping_ratio: {text}")
-    where = f"{project.source}: {key}: {source or original.name}"
+    where = f"{project.source}: {key}: {source or whole.name}"
     try:
-        window = original.strong_window() if table.window_s == "arias" else table.window_s
-        cut = original.windowed(*window) if window else original
+        window = whole.strong_window() if table.window_s == "arias" else table.window_s
+        cut = whole.windowed(*window) if window else whole
         if table.time_step_s and cut.duration > MOST_SAMPLES * table.time_step_s:
             most = f"more than {MOST_SAMPLES} samples of {cut.duration:g} s; write more, or a window_s"
             raise ValueError(f"time_step_s = {table.time_step_s:g} makes {most}")
@@ -161,15 +159,14 @@ def motion_of(
     record = _at_step(cut, table.time_step_s or cut.time_step, where)
     start = 0.0
     if window:  # it begins at the first sample inside it
-        start = float(original.time[original.time > window[0] - SAME_TIME * original.time_step][0])
+        start = float(whole.time[whole.time > window[0] - SAME_TIME * whole.time_step][0])
     notes: tuple[Message, ...] = ()
-    if cut.pga < (1.0 - WHOLE) * original.pga:
-        lost = message(
+    if cut.pga < (1.0 - WHOLE) * whole.pga:
+        notes = (headed(whole.name, message(
             "the window leaves out the peak of {peak:.3g} g; PGA means {pga:.3g} g, "
-            "the largest acceleration inside it", peak=original.pga, pga=cut.pga,
-        )  # fmt: skip
-        notes = (headed(original.name, lost),)
-    return BaseMotion(record, original, cut.pga, 1.0, start, notes=notes)
+            "the largest acceleration inside it", peak=whole.pga, pga=cut.pga,
+        )),)  # fmt: skip
+    return BaseMotion(record, whole, cut.pga, 1.0, start, notes=notes)
 
 
 def _at_step(record: Record, step: float, where: str) -> Record:

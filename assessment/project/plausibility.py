@@ -50,24 +50,21 @@ def implausible(project: Project, model: Assembly) -> list[Message]:
     assessment = project.assessment
     crushes = bool(np.isfinite(model.contacts.strength).all())
     if assessment and assessment.confidence_factor < LC1 and not crushes:
-        low_factor = message(
+        found.append(("assessment.confidence_factor", message(
             "{factor:g} is below {least:g}, which Circolare 7/2019, C8.7.1.2, asks for where compressive strength is "
             "left out, as here; write {meant}, or give compressive_strength_kN_m2 (motions then need elastic contacts)",
             factor=assessment.confidence_factor, least=LC1, meant=f"{LC1:g}",
-        )  # fmt: skip
-        found.append(("assessment.confidence_factor", low_factor))
+        )))  # fmt: skip
     if assessment and assessment.behaviour_factor > LOCAL_FACTOR:
-        large = message(
+        found.append(("assessment.behaviour_factor", message(
             "{factor:g} is above {most:g}, the factor of local mechanisms (Circolare 7/2019, C8.7.1.2)",
             factor=assessment.behaviour_factor, most=LOCAL_FACTOR,
-        )  # fmt: skip
-        found.append(("assessment.behaviour_factor", large))
+        )))  # fmt: skip
     if assessment and assessment.floor and project.dynamic_contacts:
-        ground = message(
+        found.append(("assessment.floor", message(
             "static checks contain what the building amplifies up to this height, motions only what their records do: "
             "their PGA are not to be compared, unless the records are of the floor"
-        )
-        found.append(("assessment.floor", ground))
+        )))  # fmt: skip
     return [headed(project.source, headed(key, text)) for key, text in found]
 
 

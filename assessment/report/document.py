@@ -83,12 +83,8 @@ def _template() -> jinja2.Template:
 
 
 def render_html(
-    results: Results,
-    figures: Path,
-    words: Words,
-    edited: Markup | None = None,
-    interactive: Viewer | None = None,
-) -> str:
+    results: Results, figures: Path, words: Words, edited: Markup | None = None, interactive: Viewer | None = None
+) -> str:  # fmt: skip
     """Return the report as one self-contained page, with or without the part to step through on the screen."""
     full = results.echo.report.get("annexes") == "full"
     drawn: dict[str, list[Embedded]] = {}  # the figures that are printed, by section

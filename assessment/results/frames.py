@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +23,7 @@ NOTICED = 1e-6  # of the largest displacement, or of the model's size: less is n
 NUMBERS = 40_000  # most numbers of the frames of one path, in results.json and in the page
 FEWEST, MOST = 15, 60  # frames of a static path
 FEWEST_IN_TIME, MOST_IN_TIME = 24, 150
+Path: TypeAlias = "mechanics.Pushdown | mechanics.Pushover"
 LEAST = 1e-6  # of the model's weight: least force of a pair that met and is described
 DIGITS = 6  # of the model's size and weight: positions and forces are kept for pictures
 
@@ -41,7 +42,7 @@ class Carried:
     forces: Array
 
 
-def carried_along(path: mechanics.Pushdown | mechanics.Pushover) -> list[Carried | None]:
+def carried_along(path: Path) -> list[Carried | None]:
     """Return what joints carry at each point of a path, None: not known; where a mechanism forms by limit analysis."""
     steps = [Carried(step.contacts, step.forces) for step in path.steps]
     found = [*[None] * (len(path.states) - len(steps)), *steps]
@@ -50,16 +51,14 @@ def carried_along(path: mechanics.Pushdown | mechanics.Pushover) -> list[Carried
     return found
 
 
-def normal_forces(path: mechanics.Pushdown | mechanics.Pushover) -> Array:
+def normal_forces(path: Path) -> Array:
     """Return N (k, j), kN, of the drawn joints at each point; if not known, of mechanism or first step."""
     first = (path if isinstance(path, mechanics.Pushover) else path.steps[0]).forces
     found = [first if each is None else each.forces for each in carried_along(path)]
     return np.array([forces[: len(path.model.contacts), 0] for forces in found])
 
 
-def along_path(
-    path: mechanics.Pushdown | mechanics.Pushover, peak: int, rigid: bool
-) -> list[TieTension] | None:
+def along_path(path: Path, peak: int, rigid: bool) -> list[TieTension] | None:
     """Return the tension of each tie along a path and at its `peak`, a point of it; None where there is no tie.
 
     `rigid`: known where determined, not at rest. Elastic: the greatest is no less than the pretension.
@@ -181,26 +180,12 @@ def _owner(ties: Sequence[DrawnTie]) -> Index:
     return np.array([tie.blocks for tie in ties], dtype=np.intp).reshape(-1, 2)
 
 
-def pushover_frames(model: Assembly, path: mechanics.Pushover, met: Met) -> Frames:
-    """Frames of a capacity curve, its onset, peak and end among them; see `frames`."""
-    return frames(model, path.states, carried_along(path), (path.peak, path.formed), met)
-
-
-def pushdown_frames(model: Assembly, path: mechanics.Pushdown, whole: float) -> Frames:
-    """Frames of a movement, that of the `whole` movement (m) among them; see `frames`."""
-    asked = int(np.argmin(abs(path.movement - whole)))
-    return frames(model, path.states, carried_along(path), (asked,), Met(model))
-
-
-def frames(
-    model: Assembly, states: Sequence[State], carried: Sequence[Carried | None], wanted: Iterable[int],
-    met: Met,
-) -> Frames:  # fmt: skip
+def path_frames(path: Path, *wanted: int, met: Met | None = None) -> Frames:
     """Describe some points of a path (see `_pictured`): first, last and `wanted` ones, others evenly between them."""
-    kept = chosen(len(states), max(FEWEST, min(MOST, NUMBERS // _size(model))), wanted)
-    at = [states[k].positions for k in kept]
-    found = _pictured(model, at, [carried[k] for k in kept], met)
-    return Frames(index=kept, **found)
+    model, carried = path.model, carried_along(path)
+    kept = chosen(len(path.states), max(FEWEST, min(MOST, NUMBERS // _size(model))), wanted)
+    at = [path.states[k].positions for k in kept]
+    return Frames(index=kept, **_pictured(model, at, [carried[k] for k in kept], met or Met(model)))
 
 
 def _size(model: Assembly) -> int:

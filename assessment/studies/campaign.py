@@ -157,13 +157,9 @@ def _beside(project: Project, table: CampaignTable) -> Project:
 
 
 def _static(
-    project: Project,
-    model: Assembly,
-    stages: Sequence[StateResult],
-    pushed: Mapping[Direction, Pushovers],
-    demands: Demands,
-    warnings: list[Message],
-) -> float | None:
+    project: Project, model: Assembly, stages: Sequence[StateResult], pushed: Mapping[Direction, Pushovers],
+    demands: Demands, warnings: list[Message],
+) -> float | None:  # fmt: skip
     """Return the static capacity of the weaker direction, of the joints of `project`; None if one is not known."""
     if project.pushover is None:
         return None

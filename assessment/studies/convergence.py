@@ -115,11 +115,9 @@ class Converged:
 
 
 def converge(
-    project: Project,
-    models: Mapping[str, StateModel],
-    demands: Demands,
+    project: Project, models: Mapping[str, StateModel], demands: Demands,
     analyse: Callable[[Project, Collection[str]], list[StateResult]],
-) -> Converged:
+) -> Converged:  # fmt: skip
     """Analyse the states in ever finer increments until the errors of their capacities meet the tolerance.
 
     `analyse`: analyses the states of these names in the increments of a project. A state keeps its coarser analysis

@@ -105,9 +105,8 @@ def _of_hypothesis(each: parts.Explanation) -> Iterator[Message]:
     for text in each.kinked:
         yield message(
             "the prediction has a kink within a standard error of {component}: hinges move to other joints there, and "
-            "the standard error is the largest by the slopes on both sides",
-            component=text,
-        )
+            "the standard error is the largest by the slopes on both sides", component=text,
+        )  # fmt: skip
     for row in each.fit:
         if row.measurement in each.contradicting:
             yield message(
@@ -143,12 +142,8 @@ class Followed:
 
 
 def follow(
-    model: Assembly,
-    movements: Sequence[SupportMovement],
-    increments: int,
-    sliding: Sliding,
-    gauges: Sequence[Gauge],
-) -> Followed:
+    model: Assembly, movements: Sequence[SupportMovement], increments: int, sliding: Sliding, gauges: Sequence[Gauge]
+) -> Followed:  # fmt: skip
     """Move the supports from their places as drawn, in so many increments, as far as they can be followed."""
     began = time.perf_counter()
     size = model.size

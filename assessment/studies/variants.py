@@ -101,11 +101,9 @@ def of_stages(
 
 
 def capacities_of(
-    project: Project,
-    stages: Collection[StateResult],
-    pushovers: Mapping[Direction, Pushovers],
+    project: Project, stages: Collection[StateResult], pushovers: Mapping[Direction, Pushovers],
     checked: Mapping[Direction, Capacity],
-) -> dict[Direction, studies.Capacities]:
+) -> dict[Direction, studies.Capacities]:  # fmt: skip
     """Return the capacity of one state for a study, by direction; null: asked for, but not reached.
 
     `collapses`: under one of the contact behaviours the structure falls before the whole movement is applied;

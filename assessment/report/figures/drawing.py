@@ -137,13 +137,9 @@ class Panels:
 
 
 def sheet(
-    bounds: tuple[float, float, float, float],
-    count: int = 1,
-    border_mm: float = 3.0,
-    height_mm: float = 195.0,
-    below_mm: float = 4.0,
+    bounds: Bounds, count: int = 1, border_mm: float = 3.0, height_mm: float = 195.0, below_mm: float = 4.0,
     most_mm: float = 105.0,
-) -> Panels:
+) -> Panels:  # fmt: skip
     """Lay out `count` panels, two in a row, three if three, or below one another, at the largest usual scale.
 
     bounds (x0, z0, x1, z1) in m; every panel has a free border, `below_mm` high at its foot; `most_mm`: height of

@@ -132,12 +132,8 @@ class Results(Part):
 
 def json_schema() -> dict[str, Any]:
     """Return the JSON schema (draft 2020-12) of results.json."""
-    schema = Results.model_json_schema(mode="serialization")
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        **schema,
-        "title": "results.json of assesto",
-    }
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
+    return head | Results.model_json_schema(mode="serialization") | {"title": "results.json of assesto"}
 
 
 AGAIN = "run the project again"

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 
 from assessment.report.tables.mechanisms import balance, joint_table, reactions
 from assessment.report.tables.structure import edge_pressures, pushover_curves
-from assessment.results.frames import MOST, chosen, pushdown_frames, pushover_frames, snapshots
+from assessment.results.frames import MOST, chosen, path_frames, snapshots
 from assessment.results.joint_states import (
-    Met,
     Situation,
     described,
     faces_of,
@@ -43,6 +42,11 @@ def plain_results(model):
     return typed({"geometry": geometry, "model": {"weight_kN": model.weight}})
 
 
+def asked_of(path):
+    """The point of a movement of 0.02 m."""
+    return int(np.argmin(abs(path.movement - 0.02)))
+
+
 def situation(frames, number):
     """The situation of a frame."""
     force, centre = (np.array(values[number], dtype=float) for values in (frames.force_kN, frames.centre))
@@ -72,7 +76,7 @@ def test_reactions_of_the_frames_are_those_of_the_path(contacts):
     model = semicircular_arch(15, 0.3, friction=0.7)
     path = pushdown(model, "right", (0.02, -0.01), increment=0.004, contacts=contacts)
     right = model.support("right")
-    frames = pushdown_frames(model, path, 0.02)
+    frames = path_frames(path, asked_of(path))
     for number, index in enumerate(frames.index):
         states = joint_states(plain_results(model), situation(frames, number))
         on_structure = -forces_on(model, states)[right].sum(axis=0)
@@ -83,13 +87,13 @@ def test_reactions_of_the_frames_are_those_of_the_path(contacts):
 def test_frames_hold_onset_peak_end_and_the_movement_asked_for():
     model = block_on_base(0.6, 4.2)
     path = pushover(model, (0.6, 4.2), increment=0.05)
-    found = pushover_frames(model, path, Met(model))
+    found = path_frames(path, path.peak, path.formed)
     assert {0, path.peak, path.formed, len(path.states) - 1} <= set(found.index)
     assert len(found.index) <= MOST + 4
     assert np.shape(found.configuration) == (len(found.index), 2, 3)
     arch = semicircular_arch(11, 0.2)
     moved = pushdown(arch, "right", (0.02, 0.0), increment=0.004, to_collapse=True)
-    kept = pushdown_frames(arch, moved, 0.02).index
+    kept = path_frames(moved, asked_of(moved)).index
     assert any(moved.movement[index] == pytest.approx(0.02) for index in kept)
 
 
@@ -97,7 +101,7 @@ def test_at_its_onset_a_block_stands_on_its_toe_and_at_low_friction_it_slides():
     for friction, condition in ((0.7, "edge"), (0.1, "sliding")):
         model = block_on_base(0.6, 4.2, friction=friction)
         path = pushover(model, (0.6, 4.2), increment=0.05)
-        frames = pushover_frames(model, path, Met(model))
+        frames = path_frames(path, path.peak, path.formed)
         found = joint_states(plain_results(model), situation(frames, 0))
         assert found.condition == [condition]
         assert found.normal[0] == pytest.approx(model.weight)
@@ -191,7 +195,7 @@ def test_a_wall_leans_on_its_neighbour_and_the_pair_that_met_is_told():
     stone = Material(20.0, 0.6)
     model = on_base(stone, (-1.0, -0.3, 3.0), (0.0, 0.0, 0.3, 3.0), (0.35, 0.0, 1.55, 2.0))
     path = pushover(model, (0.0, 3.0), "+x", increment=0.01)
-    frames = pushover_frames(model, path, Met(model))
+    frames = path_frames(path, path.peak, path.formed)
     assert frames.met
     assert [sorted(each.blocks) for each in frames.met] == [[1, 2]] * len(frames.met)
     lateral = model.lateral_load("+x")[:, :2]
