@@ -104,39 +104,32 @@ def joint_motion(model: Assembly, positions: Array, delta: Array) -> JointMotion
     largest = float(abs(delta[:, :2]).max())
     worst = int(np.argmin(opening))
     least = np.maximum(contacts.friction, 1e-99)  # without friction nothing slides against it
-    slides = closed.any(axis=1) & (
-        abs(v) > np.maximum(opening, 0.0) / least + GIVEN.rounding * largest / np.minimum(least, 1.0)
-    )
+    most = np.maximum(opening, 0.0) / least + GIVEN.rounding * largest / np.minimum(least, 1.0)
+    shut, deepest = np.asarray(closed.any(axis=1)), max(0.0, -float(opening[worst]) / largest)
     pair = (int(contacts.a[worst]), int(contacts.b[worst]))
-    return JointMotion(
-        max(0.0, -float(opening[worst]) / largest), pair, contacts, np.asarray(closed.any(axis=1)), slides
-    )
+    return JointMotion(deepest, pair, contacts, shut, shut & (abs(v) > most))
 
 
-def begun(
-    model: Assembly, positions: Array, chosen: Chosen
-) -> tuple[Array, JointMotion, kinematics.VirtualWork]:
+def begun(model: Assembly, at: Array, chosen: Chosen) -> tuple[Array, JointMotion, kinematics.VirtualWork]:
     """Return virtual displacements (b, 3), motion in the joints, virtual work. Raises as `evaluate`."""
-    delta = kinematics.virtual_displacements(model, positions, chosen)
-    motion = joint_motion(model, positions, delta)
+    delta = kinematics.virtual_displacements(model, at, chosen)
+    motion = joint_motion(model, at, delta)
     if motion.penetration > GIVEN.penetration:  # by more than a hinge set back from the edge does
-        deep = message(
+        raise MechanismError(message(
             "block {block} penetrates block {other} by {share:.3g} % of the largest displacement; "
             "correct centres, rotations (anticlockwise positive) or the choice of blocks",
             block=motion.pair[0], other=motion.pair[1], share=100.0 * motion.penetration,
-        )  # fmt: skip
-        raise MechanismError(deep)
-    for tie, _ in kinematics.works(model, positions, delta)[2]:
+        ))  # fmt: skip
+    for tie, _ in kinematics.works(model, at, delta)[2]:
         if np.isinf(tie.yield_force):
             raise MechanismError(message('tie "{name}" would have to lengthen; give it a yield_force_kN, or a '
                                          "mechanism that it allows", name=tie.name))  # fmt: skip
-    work = kinematics.virtual_work(model, positions, chosen)
+    work = kinematics.virtual_work(model, at, chosen)
     if abs(work.lateral) <= 1e-9 * work.moving * float(abs(delta[:, :2]).max()):
         raise MechanismError(message("the weights do no horizontal work: no horizontal load starts it"))
     if work.alpha_0 <= 0.0:
-        driven = message("alpha_0 = {alpha:.4g}: the weights drive it without any horizontal load; change the sense of "
-                         "rotation", alpha=work.alpha_0)  # fmt: skip
-        raise MechanismError(driven)
+        raise MechanismError(message("alpha_0 = {alpha:.4g}: the weights drive it without any horizontal load; change "
+                                     "the sense of rotation", alpha=work.alpha_0))  # fmt: skip
     mass_share(model, delta)
     return delta, motion, work
 
@@ -168,16 +161,14 @@ def evaluate(
     sliding = met.numbers(motion.contacts, motion.slides)[motion.slides].tolist()
     notes = []
     if motion.penetration > GIVEN.rounding:
-        deep = message(
+        notes.append(message(
             "block {block} penetrates block {other} by {share:.2g} % of the largest displacement, "
             "as with a hinge set back from the edge", block=motion.pair[0], other=motion.pair[1],
             share=100.0 * motion.penetration,
-        )  # fmt: skip
-        notes.append(deep)
+        ))  # fmt: skip
     if sliding:
-        slides = message("joints that slide as the mechanism moves: {count}; their friction is left out, so that "
-                         "alpha_0 is lower than with it", count=len(sliding))  # fmt: skip
-        notes.append(slides)
+        notes.append(message("joints that slide as the mechanism moves: {count}; their friction is left out, so that "
+                             "alpha_0 is lower than with it", count=len(sliding)))  # fmt: skip
     fit = fit_rigid(([0.0, 1.0], [work.alpha_0, work.alpha_0]))
     if demands.keys() & {"SLV", "SLC"}:
         try:
@@ -242,17 +233,15 @@ def compared(found: parts.GivenMechanism, alpha_0: float | None, onset: float | 
     """
     notes, own = list(known(found.notes)), known(found.alpha_0)
     if onset is not None and own < (1.0 - GIVEN.below) * onset:
-        left_out = message(
+        notes.append(message(
             "alpha_0 is below that of limit analysis, which no mechanism without sliding and penetration can be: "
             "the friction of the sliding joints, or the penetration, is what it leaves out"
-        )
-        notes.append(left_out)
+        ))  # fmt: skip
     elif alpha_0 is not None and onset is not None and own < (1.0 - GIVEN.below) * alpha_0:
-        earlier = message(
+        notes.append(message(
             "alpha_0 is below that of the state, {alpha:.4g}: a hinge of the settlement closes from α = "
             "{onset:.4g} on, before that is reached", alpha=alpha_0, onset=onset,
-        )  # fmt: skip
-        notes.append(earlier)
+        ))  # fmt: skip
     return found.replace(alpha_0_limit=alpha_0, notes=notes)
 
 

@@ -105,10 +105,8 @@ def _at_height(ground: ElasticSpectrum, assessment: AssessmentTable) -> Spectrum
     if assessment.circular == 2009:
         return floor_spectrum.FloorSpectrum2009(ground, first)
     higher = zip(floor.higher_periods_s, floor.higher_participations, strict=True)
-    return floor_spectrum.FloorSpectrum(
-        ground,
-        (first, *(floor_spectrum.Mode(period, share, 1.0, floor.damping_ratio) for period, share in higher)),
-    )
+    modes = (floor_spectrum.Mode(period, share, 1.0, floor.damping_ratio) for period, share in higher)
+    return floor_spectrum.FloorSpectrum(ground, (first, *modes))
 
 
 def demand_parts(project: Project, demands: Demands) -> dict[str, parts.DemandSpectrum]:

@@ -80,9 +80,8 @@ def observed(levels: Sequence[float], fallen: Sequence[bool]) -> Observed:
     certain = next((level for level in falls if not stands or level > stands[-1]), None)
     probable, beta = bracket, 0.0
     if stands:
-        fit = fit_stripes(
-            np.array([each for each, _ in runs]), np.array([[fell for _, fell in runs]]), np.ones((1, 1))
-        )
+        growing, fell = zip(*runs, strict=True)
+        fit = fit_stripes(np.array(growing), np.array([fell]), np.ones((1, 1)))
         median, beta = float(fit.median[0]), float(fit.beta[0])
         known = 0.0 < median < math.inf and beta > 0.0
         probable = [median * math.exp(beta * float(ndtri(p))) for p in PROBABILITIES] if known else bracket
@@ -228,9 +227,8 @@ def fit_levels(level: Array, withstood: Mask, weights: Array) -> Lognormal:
     mean, spread = np.where(fell > 0, mean, np.nan), np.where(fell > 0, spread, np.nan)
     some = (weights @ withstood.astype(float) > 0.0) & (fell > 0)
     if some.any():
-        mean[some], spread[some] = _censored(
-            x, withstood, weights[some], total[some], mean[some], np.maximum(spread[some], WIDE)
-        )
+        own = weights[some], total[some], mean[some], np.maximum(spread[some], WIDE)
+        mean[some], spread[some] = _censored(x, withstood, *own)
     spread[spread < 2.0 * NARROWEST] = 0.0
     return Lognormal(np.exp(mean), spread)
 
@@ -242,11 +240,8 @@ def _censored(
         z = (x - mean[:, None]) / spread[:, None]
         hazard = np.exp(-0.5 * z**2 - log_ndtr(-z)) / np.sqrt(2.0 * np.pi)
         first = np.where(withstood, mean[:, None] + spread[:, None] * hazard, x)
-        second = np.where(
-            withstood,
-            mean[:, None] ** 2 + spread[:, None] ** 2 + spread[:, None] * (x + mean[:, None]) * hazard,
-            x**2,
-        )
+        beyond = mean[:, None] ** 2 + spread[:, None] ** 2 + spread[:, None] * (x + mean[:, None]) * hazard
+        second = np.where(withstood, beyond, x**2)
         new = (weights * first).sum(axis=1) / total
         wide = np.sqrt(np.maximum((weights * second).sum(axis=1) / total - new**2, NARROWEST**2))
         done = np.abs(new - mean).max() + np.abs(wide - spread).max() < SETTLED

@@ -168,9 +168,8 @@ def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess
             paths = [known(each.value).path for each in moves]
             ends = [inf if path.ultimate_movement_m is None else path.ultimate_movement_m for path in paths]
             least = moves[ends.index(min(ends))]
-            pushdown[own.behaviour] = _ranged(
-                known(least.value).path, ("ultimate_movement_m",), paths, len(runs)
-            )
+            path = known(least.value).path
+            pushdown[own.behaviour] = _ranged(path, ("ultimate_movement_m",), paths, len(runs))
             found.warnings.extend(least.warnings)
     pushover, capacity = {}, {}
     by_run = [curves(run) for run in runs]
