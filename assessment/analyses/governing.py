@@ -267,10 +267,9 @@ def _refusals(checked: Sequence[Found[Assessed]], runs: int) -> Iterator[Message
         reasons.setdefault(reason.template, []).append(reason)
     for same in reasons.values():
         count, reason = len(same), same[0]
-        of_many = message(
+        yield refused(reason) if runs == 1 else message(
             "no capacity in {count} of {runs} runs: {reason}", count=count, runs=runs, reason=reason
-        )
-        yield refused(reason) if runs == 1 else of_many
+        )  # fmt: skip
 
 
 def _told_of(runs: Sequence[Run]) -> Iterator[Message]:

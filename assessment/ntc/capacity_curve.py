@@ -166,9 +166,8 @@ def _rigid_branch(rigid: Curve) -> tuple[Array, Array, float | None]:
 def _rising_branch(elastic: Curve | None) -> tuple[float, float, tuple[Array, Array]]:
     """Return where the curve reaches 0.4 α_u (m), α_u, and the curve up to where its displacement turns back."""
     if elastic is None:
-        missing = message('no elastic pushover curve: ask for contacts = ["rigid", "elastic"] and give '
-                          'normal_stiffness_kN_m3, or set model = "none" (rigid branch alone)')  # fmt: skip
-        raise CapacityError(missing)
+        raise CapacityError(message('no elastic pushover curve: ask for contacts = ["rigid", "elastic"] and give '
+                                    'normal_stiffness_kN_m3, or set model = "none" (rigid branch alone)'))  # fmt: skip
     d, alpha = _branch(elastic, "elastic curve")
     d, alpha = np.insert(d, 0, 0.0), np.insert(alpha, 0, 0.0)
     peak = int(np.argmax(alpha))
@@ -202,18 +201,16 @@ def _idealised(
     K = SECANT_SHARE * alpha_u / secant
     d_y, meets, cut = alpha_y / K, _crossing(d, alpha - K * d), False
     if alpha_u > alpha[0]:
-        above = message("elastic peak α_u = {peak:.4g} above the rigid onset α0 = {onset:.4g}: the fit is cut",
-                        peak=alpha_u, onset=float(alpha[0]))  # fmt: skip
-        notes += (above,)
+        notes += (message("elastic peak α_u = {peak:.4g} above the rigid onset α0 = {onset:.4g}: the fit is cut",
+                          peak=alpha_u, onset=float(alpha[0])),)  # fmt: skip
     if meets is None:
         raise CapacityError(
             message("the elastic branch does not meet the rigid branch: follow the rigid pushover further")
         )
     if meets < d_y:
         d_y, alpha_y, end, cut = meets, float(K * meets), meets, True
-        none = message("the secant meets the rigid branch at α = {alpha:.4g}, below the plateau: no plateau",
-                       alpha=alpha_y)  # fmt: skip
-        notes += (none,)
+        notes += (message("the secant meets the rigid branch at α = {alpha:.4g}, below the plateau: no plateau",
+                          alpha=alpha_y),)  # fmt: skip
     else:
         below = d >= d_y
         tail = np.concatenate([[np.interp(d_y, d, alpha)], alpha[below]]) - alpha_y

@@ -293,9 +293,8 @@ def _solve_displacement(capacity: CapacityCurve, limit: str, spectrum: Spectrum,
     """Return where S_De(T) = d at the displacement limit d, T from the secant of the capacity curve."""
     rule = RULES.get((method.circular, limit))
     if rule is None:
-        none = message("{limit}: the circular of {year} has no nonlinear check for it", limit=limit,
-                       year=method.circular)  # fmt: skip
-        raise CapacityError(none)
+        raise CapacityError(message("{limit}: the circular of {year} has no nonlinear check for it", limit=limit,
+                                    year=method.circular))  # fmt: skip
     d, governing, first = _limit(capacity, limit, method, rule)
     lines = [first]
     d_secant, name = d, limit
@@ -335,12 +334,11 @@ def _limit(
     """Return the displacement limit d* (m), what sets it, and its step."""
     d_0, Gamma = capacity.d_0_star, capacity.gamma_star
     if d_0 is None:
-        positive = message(
+        raise CapacityError(message(
             "{limit}: d_0 is not reached: the multiplier of the rigid branch stays positive up to "
             "d* = {displacement:.4g} m; follow the pushover with rigid contacts to zero",
             limit=limit_state, displacement=float(capacity.displacement[-1]),
-        )  # fmt: skip
-        raise CapacityError(positive)
+        ))  # fmt: skip
     symbol = "d_u" if method.circular == "2009" else f"d_{limit_state}"
     share, law = f"{rule.share:g}*d_0_star", LAW[method.circular]
     d, governing = rule.share * d_0, f"{rule.share:.2f} d_0"

@@ -174,11 +174,10 @@ def build_model(project: Project) -> ProjectModel:
     states = state_models(project, assembly)
     far = assembly.as_drawn([0.0, 0.0])
     if far.any():
-        told = message(
+        warnings += (headed(name, message(
             "drawn far from (0, 0): in hand checks and in the steps of given mechanisms x and z count from ({x:.0f}, "
             "{z:.0f}) m", x=far[0], z=far[1],
-        )  # fmt: skip
-        warnings += (headed(name, told),)
+        )),)  # fmt: skip
     return ProjectModel(assembly, states, (*warnings, *implausible(project, assembly)), drawing.cracks)
 
 

@@ -62,12 +62,11 @@ def scaled_to(target: Spectrum, motions: Sequence[BaseMotion], table: CampaignTa
         best = float(np.exp(np.mean(wanted - np.log(spectrum_of(motion, periods)))))
         factor, notes = float(np.clip(best, low, high)), motion.notes
         if factor != best:
-            limited = message(
+            notes += (message(
                 "campaign, {record}: the spectrum of the site asks for a factor of {wanted:.3g}; "
                 "{taken:.3g} is taken, the limit (scale_limits = [{low:g}, {high:g}])",
                 record=motion.name, wanted=best, taken=factor, low=low, high=high,
-            )  # fmt: skip
-            notes += (limited,)
+            ),)  # fmt: skip
         scaled, original = motion.at_amplitude(factor), motion.original.scaled(factor)
         pga, scale, own = factor * motion.pga, factor * motion.scale, motion.amplitude
         found.append(replace(scaled, original=original, pga=pga, scale=scale, amplitude=own, notes=notes))

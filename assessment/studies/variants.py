@@ -276,15 +276,14 @@ def scatter(runs: Sequence[studies.SensitivityRun], properties: Set[str]) -> lis
         if known and len(known) == len(same):
             spread = (max(known) - min(known)) / max(known)
         if spread > SCATTER:
-            text = message(
+            found.append(message(
                 "sensitivity, {state}, {direction}: a_g scatters by {spread:.3g} % with {names}, on which it "
                 "cannot depend: bars of this size mean nothing; take smaller increments, and see where paths end",
                 state=state,
                 direction=direction,
                 spread=100.0 * spread,
                 names=message("unit weight and depth") if len(varied) > 1 else NAMES[min(varied)],
-            )
-            found.append(text)
+            ))  # fmt: skip
     return found
 
 
