@@ -302,12 +302,9 @@ def together(title: Message, members: Sequence[time_history.FoundHistory]) -> ti
     low, middle, high = lowest_median_highest([peak(each) for each in finished])
     fallen = sum(bool(each.numbers.collapsed) for each in finished)
     value = worst.numbers.replace(
-        members=len(finished),
-        members_collapsed=fallen,
-        peak_displacement_m_range=[low, high],
-        peak_displacement_median_m=middle,
-        seconds=sum(each.seconds for each in members),
-    )
+        members=len(finished), members_collapsed=fallen, peak_displacement_m_range=[low, high],
+        peak_displacement_median_m=middle, seconds=sum(each.seconds for each in members),
+    )  # fmt: skip
     rows = [row for each in members for row in each.quality]
     warnings = list(worst.warnings)
     if len(finished) > PAIR:

@@ -320,8 +320,7 @@ class _Motions:
             member = members[number - 1]
             kept = thinned(member.displacement, CURVE_POINTS)
             yield MemberCurve(
-                member=number,
-                factor=self.scatter.strongest_first[number - 1],
+                member=number, factor=self.scatter.strongest_first[number - 1],
                 time_s=(self.shaking.motion.start + member.time[kept]).round(6).tolist(),
                 displacement_m=member.displacement[kept].round(7).tolist(),
-            )
+            )  # fmt: skip

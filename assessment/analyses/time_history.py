@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from assessment.analyses.found import Found
+from assessment.analyses.found import Found, as_part
 from assessment.analyses.states import StateResult
 from assessment.project.model import StateModel
 from assessment.project.motions import BaseMotion
@@ -281,17 +281,11 @@ def motion_part(motion: BaseMotion, periods: Array) -> AppliedRecord:
     a = motion.record.acceleration
     S_a, S_d = response_spectrum(a, motion.record.time_step, periods)
     kept = thinned(a)
-    return AppliedRecord(
-        name=motion.name,
-        pga_g=motion.pga,
-        scale=motion.scale,
-        window_s=[motion.start, motion.start + motion.record.duration],
-        time_s=(motion.start + motion.record.time[kept]).tolist(),
-        acceleration_g=a[kept].tolist(),
-        T_s=periods.tolist(),
-        S_a_g=S_a.tolist(),
-        S_d_m=S_d.tolist(),
-    )
+    return as_part(
+        AppliedRecord, motion, pga_g=motion.pga, window_s=[motion.start, motion.start + motion.record.duration],
+        time_s=(motion.start + motion.record.time[kept]).tolist(), acceleration_g=a[kept].tolist(),
+        T_s=periods.tolist(), S_a_g=S_a.tolist(), S_d_m=S_d.tolist(),
+    )  # fmt: skip
 
 
 def sustained_peak(displacement: Array, collapsed: bool) -> int:

@@ -23,6 +23,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 import mechanics
+from assessment.analyses.paths import NO_ANSWER
 from assessment.project.catalogue.geometry import course, rectangle
 from assessment.project.catalogue.new_project import new_project
 from assessment.project.model import build_model
@@ -127,13 +128,7 @@ Row = dict[str, Any]
 Answer = TypeVar("Answer")
 
 # what an analysis that does not succeed raises: a row says so
-FAILURES = (
-    mechanics.CollapseError,
-    mechanics.ControlError,
-    mechanics.ConvergenceError,
-    mechanics.NoEquilibriumError,
-    mechanics.UnstableError,
-)
+FAILURES = (*NO_ANSWER, mechanics.ControlError)
 
 TOLERANCE = 1e-9  # of the baseline: what the statics ask of PIQP
 SAMPLES = 20  # programs of a path, or of a motion, that the baseline solves

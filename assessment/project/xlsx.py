@@ -170,14 +170,11 @@ def _entries(name: str, rows: Rows) -> Iterator[tuple[schema.KeyPath, str, list[
     keys = [_text(key).strip() for key in header[1]]
     first = 1 if name in _NAME else 0
     for index, (number, row) in enumerate(entries):
-        yield (
-            (name, _text(row[0]) if first else index),
-            f", row {number}",
-            [
-                (keys[column] if column < len(keys) else "", value, f", cell {_letter(column)}{number}")
-                for column, value in enumerate(row[first:], first)
-            ],
-        )
+        cells = [
+            (keys[column] if column < len(keys) else "", value, f", cell {_letter(column)}{number}")
+            for column, value in enumerate(row[first:], first)
+        ]
+        yield (name, _text(row[0]) if first else index), f", row {number}", cells
 
 
 def _is_active(rows: Rows) -> bool | str:

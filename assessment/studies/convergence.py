@@ -94,14 +94,11 @@ class Levels:
         if len(errors) == len(relative):
             worst = max(errors, key=lambda key: errors[key], default=None)
         return ConvergenceRow(
-            state=state,
-            direction=direction,
-            halvings=halvings,
+            state=state, direction=direction, halvings=halvings, met=self.within(tolerance),
             order=None if worst is None else observed_order(self.values(worst)),
             relative_error=None if worst is None else errors[worst],
-            met=self.within(tolerance),
             levels={key: self.values(key) for key in self.measured[-1]},
-        ).replace(**{ERRORS[key]: error for key, error in self.errors.items()})
+        ).replace(**{ERRORS[key]: error for key, error in self.errors.items()})  # fmt: skip
 
 
 @dataclass

@@ -332,9 +332,8 @@ def doubts(fit: dynamic.Fragility, stripes: bool) -> Iterator[Message]:
         yield message(
             "no level with a collapse lies below one that is withstood, and the dispersion cannot be told: β = 0 and "
             "a median acceleration of {median:.3g} g are the limit of ever more likely distributions; "
-            "add levels_g about it",
-            median=fit.median_g,
-        )
+            "add levels_g about it", median=fit.median_g,
+        )  # fmt: skip
 
 
 def incremental(

@@ -148,14 +148,12 @@ def scenarios(statics: Statics, study: Study) -> studies.Scenarios:
     project, models = statics.project, statics.models
     variants = {
         (whole.name, k): variant(
-            message("part {number} of {count}", number=k, count=whole.steps or 1),
-            finer,
-            models[whole.name],
+            message("part {number} of {count}", number=k, count=whole.steps or 1), finer, models[whole.name],
             part(whole, k / (whole.steps or 1)),
         )
         for finer, whole in finest(project, statics.halvings)
         for k in range(1, whole.steps or 1)
-    }
+    }  # fmt: skip
     found = analyse(list(variants.values()), statics, study, "scenarios")
     parts = dict(zip(variants, found, strict=True))
     by, original = quantity(project), statics.capacities_of(ORIGINAL)
@@ -171,16 +169,13 @@ def scenarios(statics: Statics, study: Study) -> studies.Scenarios:
             sweep.append((name, k / steps, sum(earlier) + k / steps * movement, numbers))
     points = [
         studies.ScenarioPoint(
-            state=state,
-            share=share,
-            movement_m=movement,
-            direction=direction,
-            **capacities.model_dump(exclude_unset=True),
+            state=state, share=share, movement_m=movement, direction=direction,
             reduction=reduction(compared(original[direction], by), compared(capacities, by)),
+            **capacities.model_dump(exclude_unset=True),
         )
         for state, share, movement, found_there in sweep
         for direction, capacities in found_there.items()
-    ]
+    ]  # fmt: skip
     return studies.Scenarios(
         quantity=by, limit_state=quoted_limit_state(project), points=points, worst=worst(points, by),
         warnings=list(study.warnings),
@@ -205,17 +200,11 @@ def worst(points: Sequence[studies.ScenarioPoint], by: str) -> studies.ScenarioP
 
 
 SCATTER = 0.005  # relative difference of a_g from which scatter is reported: the third digit
-KEYS = {  # property: the keys of [material], [geometry] and [layers] that it stands for
-    "friction": ("friction",),
-    "stiffness": ("normal_stiffness_kN_m3", "tangential_stiffness_kN_m3"),
-    "unit_weight": ("unit_weight_kN_m3",),
-    "depth": ("depth_m",),
-}
-NAMES = {
-    "friction": message("friction"),
-    "stiffness": message("stiffness"),
-    "unit_weight": message("unit weight"),
-    "depth": message("depth"),
+PROPERTIES = {  # how each is called, and the keys of [material], [geometry] and [layers] that it stands for
+    "friction": (message("friction"), "friction"),
+    "stiffness": (message("stiffness"), "normal_stiffness_kN_m3", "tangential_stiffness_kN_m3"),
+    "unit_weight": (message("unit weight"), "unit_weight_kN_m3"),
+    "depth": (message("depth"), "depth_m"),
 }
 
 
@@ -233,22 +222,18 @@ def sensitivity(statics: Statics, study: Study) -> studies.Sensitivity:
     cases, variants = list(product(factors, wanted)), []
     for (key, factor), name in cases:
         whole = refined(project, halvings.get(name, 0)).settlement_of(name)
-        title = message("{property} × {factor:g}", property=NAMES[key], factor=factor)
+        title = message("{property} × {factor:g}", property=PROPERTIES[key][0], factor=factor)
         finer = refined(varied[key, factor], halvings.get(name, 0))
         movement = whole and whole.model_copy(update={"to_collapse": False})
         variants.append(variant(title, finer, models[key, factor][name], movement))
     found = analyse(variants, statics, study, "sensitivity")
     runs = [
         studies.SensitivityRun(
-            state=state,
-            property=key,
-            factor=factor,
-            direction=direction,
-            **capacities.model_dump(exclude_unset=True),
+            state=state, property=key, factor=factor, direction=direction, **capacities.model_dump(exclude_unset=True)
         )
         for ((key, factor), state), ways in zip(cases, found, strict=True)
         for direction, capacities in ways.items()
-    ]
+    ]  # fmt: skip
     study.findings += scatter(runs, without_effect(project))
     limit = quoted_limit_state(project)
     return studies.Sensitivity(limit_state=limit, runs=runs, warnings=list(study.warnings))
@@ -279,19 +264,17 @@ def scatter(runs: Sequence[studies.SensitivityRun], properties: Set[str]) -> lis
             found.append(message(
                 "sensitivity, {state}, {direction}: a_g scatters by {spread:.3g} % with {names}, on which it "
                 "cannot depend: bars of this size mean nothing; take smaller increments, and see where paths end",
-                state=state,
-                direction=direction,
-                spread=100.0 * spread,
-                names=message("unit weight and depth") if len(varied) > 1 else NAMES[min(varied)],
+                state=state, direction=direction, spread=100.0 * spread,
+                names=message("unit weight and depth") if len(varied) > 1 else PROPERTIES[min(varied)][0],
             ))  # fmt: skip
     return found
 
 
 def with_factor(project: Project, key: str, factor: float) -> Project:
-    """Return the project with a property (see KEYS) times a `factor` wherever it is given; loads stay as they are."""
+    """Return the project with one of PROPERTIES times a `factor` wherever it is given; loads stay as they are."""
 
     def scaled(table: ProjectTable) -> ProjectTable:
-        values = ((name, getattr(table, name, None)) for name in KEYS[key])
+        values = ((name, getattr(table, name, None)) for name in PROPERTIES[key][1:])
         return table.model_copy(update={name: factor * each for name, each in values if each is not None})
 
     def layered(layers: Mapping[str, ProjectTable]) -> dict[str, ProjectTable]:

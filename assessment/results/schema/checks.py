@@ -44,9 +44,8 @@ class Check(MassShares):
     )
     verified: bool | None = key(
         "whether the ratio is 1 or more; null: not determined, or below 1 within its range",
-        "Esito|Outcome",
-        null="not_determined",
-    )
+        "Esito|Outcome", null="not_determined",
+    )  # fmt: skip
     damping: float | None = key("damping ratio of the demand")
     return_period_years: float | None = key(
         "of the capacity; null: the hazard of the site is not known", "T_R", null="not_determined"
@@ -250,15 +249,12 @@ class Indices(RiskIndices):
     required_zeta: dict[str, float | None] = key(
         "ζ_E that each kind of intervention must reach (NTC 2018, §8.4), of a strengthened state from the ζ_E "
         "of the state that it strengthens; null: no such threshold, or that ζ_E is not known",
-        "ζ_E da raggiungere|ζ_E required",
-        ratio=True,
-        unit="–",
-    )
+        "ζ_E da raggiungere|ζ_E required", ratio=True, unit="–",
+    )  # fmt: skip
     zeta_before: float | None = optional(
         "of a strengthened state: ζ_E at SLV of the state that it strengthens; null: not known",
-        "ζ_E prima|ζ_E before",
-        ratio=True,
-    )
+        "ζ_E prima|ζ_E before", ratio=True,
+    )  # fmt: skip
     attained: dict[str, bool] | None = optional("whether ζ_E at SLV reaches each", "Raggiunto|Attained")
 
 

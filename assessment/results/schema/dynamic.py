@@ -183,9 +183,8 @@ class Scanned(OfRecord):
     sign: int = key("factor on the record, 1 or −1", "Segno|Sign")
     pga_collapse_g: float | None = key(
         "what counts: P = 16 % in the lowest bracket, or of the probit where that is lower; null: no collapse",
-        "PGA al collasso|PGA at collapse",
-        ground="surface",
-    )
+        "PGA al collasso|PGA at collapse", ground="surface",
+    )  # fmt: skip
     pga_safe_g: float | None = key(
         "largest level below that stands; null: not completed", "PGA sopportata|Withstood", ground="surface"
     )

@@ -19,10 +19,8 @@ class DrawnTie(Part):
     pretension_kN: float = key("tension when it is set", "Pretensione|Pretension")
     ultimate_elongation: float | None = key(
         "share of its length by which it yields before it breaks; null: it does not break",
-        "Allungamento ultimo|Ultimate elongation",
-        shown="%",
-        null="none",
-    )
+        "Allungamento ultimo|Ultimate elongation", shown="%", null="none",
+    )  # fmt: skip
     states: list[str] = key("states in which it is there", "Stati|States")
     set_in: list[str] = key("of these, strengthened ones in which it is set after the movement")
 

@@ -81,9 +81,8 @@ class PushdownPath(StaticPath):
     reaction_z_kN: list[float] = key("the same, vertical", "R_z")
     ultimate_movement_m: float | None = key(
         "largest component of the last movement at which the structure stands; null: not reached or not looked for",
-        "Spostamento ultimo impresso|Ultimate movement",
-        shown="mm",
-    )
+        "Spostamento ultimo impresso|Ultimate movement", shown="mm",
+    )  # fmt: skip
     ultimate_movement_m_range: list[float | None] | None = optional("of an ensemble; null: none in some")
     run: Run | None = optional("which run it is; missing: not told")
     local_loss: LocalLoss | None = optional("the first joint or tie that is lost; null: none")
@@ -98,9 +97,8 @@ class Curve(Part):
 
     displacement_m: list[float] = key(
         "along x: negative in a push towards −x",
-        "Spostamento del punto di controllo|Displacement of the control point",
-        shown="mm",
-    )
+        "Spostamento del punto di controllo|Displacement of the control point", shown="mm",
+    )  # fmt: skip
     multiplier: list[float] = key("horizontal forces per seismic weight, α", "Moltiplicatore α|Multiplier α")
 
 

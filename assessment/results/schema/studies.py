@@ -26,16 +26,12 @@ class ConvergenceRow(Part):
     )
     peak_displacement_scatter_m: float | None = optional(
         "how far the peaks of a pair are apart, where that is more than time steps differ",
-        "Dispersione del massimo|Scatter of the peak",
-        shown="mm",
-        null="not_known",
-    )
+        "Dispersione del massimo|Scatter of the peak", shown="mm", null="not_known",
+    )  # fmt: skip
     pga_collapse_error_g: float | None = optional(
         "estimated error of the PGA at collapse",
-        "Errore della PGA al collasso|Error of the PGA at collapse",
-        ground="surface",
-        null="not_known",
-    )
+        "Errore della PGA al collasso|Error of the PGA at collapse", ground="surface", null="not_known",
+    )  # fmt: skip
     order: float | None = optional("that the last levels show; null: none", "Ordine|Order", null="not_known")
     relative_error: float | None = optional(
         "the largest, relative", "Errore massimo|Largest error", shown="%", digits=2, null="not_known"
