@@ -301,16 +301,14 @@ class PushPath:
         above = np.flatnonzero(self.multiplier >= self.tolerances.spent * self.largest)[-1]
         return int(above) if self.system.rigid and above < len(self.points) - 1 else 0
 
-    def goes_over(self) -> bool:
-        """Return whether the control point takes part in the path, and in what goes over at its end."""
-        since, d = self.descent, self.displacement
-        return self.takes_part(-1, d.max()) and self.takes_part(-1, abs(d[since:] - d[since]).max(), since)
+    def goes_over(self, along: bool) -> bool:
+        """Return whether the control point takes part in the path, and (`along` the push alone) in what goes over."""
+        since, way = self.descent, self.displacement - self.displacement[self.descent]
+        over = (way if along else abs(way))[since:].max()
+        return self.takes_part(-1, self.displacement.max()) and self.takes_part(-1, over, since)
 
     def _snap_through(self) -> None:
-        """Go on where the structure comes to rest farther on with its largest load held: no capacity ends there.
-
-        Beyond a peak a load that stays moves the structure on, to a fall or, as an arch that snaps through, to a rest.
-        """
+        """Go on where the largest load, held beyond the peak, moves the structure to a rest: an arch snaps through."""
         held = self._rest(self.largest, self.last, self.far)
         if held is not None:
             self.end, self.reached, self.lost = None, False, False

@@ -154,7 +154,7 @@ def pushover(
     first = PushInput(_first_to_move(system, direction, state), direction, increment, until, tolerances)
     curve = _followed(first, system, state)
     try:
-        return _result(curve)
+        return _result(curve, along=True)
     except ControlError:  # another part moves farther on: the curve is of what goes farthest
         begun, moved = curve.points[curve.descent].step.state.positions, curve.last.positions
         point, _ = farthest_corner(model, begun, moved, direction)
@@ -184,8 +184,8 @@ def _first_to_move(system: StaticSystem, direction: Direction, state: State | No
     return farthest_corner(model, begun, moved, direction)[0]
 
 
-def _result(curve: PushPath) -> Pushover:
-    """Return the curve; raise ControlError if the control point takes no part in it."""
+def _result(curve: PushPath, along: bool = False) -> Pushover:
+    """Return the curve; raise ControlError if the control point takes no part in it, `along` the push to the end."""
     assert curve.end is not None
     alone = len(curve.points) == 1
     if alone and curve.endless:
@@ -194,7 +194,7 @@ def _result(curve: PushPath) -> Pushover:
     hidden = curve.model.rounding > START.resolved and curve.alpha >= curve.largest
     if not curve.system.rigid and curve.drawn and (alone or hidden):
         raise no_way_from_rest(curve.model, curve.end)
-    if alone or not curve.goes_over():
+    if alone or not curve.goes_over(along):
         raise ControlError(message(
             "control = {point} takes no part in the mechanism along {direction}, "
             "or the increment is too large: {reason}",

@@ -25,7 +25,7 @@ LINES = {
     "mechanics": 934,
     "mechanics/kernels": 3522,
     "mechanics/model": 2998,
-    "mechanics/procedures": 3653,
+    "mechanics/procedures": 3651,
     "mechanics/records": 989,
     "mechanics/solvers": 933,
     "mechanics/steps": 1798,

@@ -16,6 +16,7 @@ from mechanics import (
     pushdown,
     pushover,
 )
+from mechanics.model.assembly import State
 from mechanics.procedures import Mirror, farthest_corner, limit_in, static_theorem
 from mechanics.procedures.peaks import may_peak
 from mechanics.steps.equilibrium import reaction
@@ -365,17 +366,20 @@ def test_where_the_first_mechanism_is_local_the_curve_is_of_what_goes_farthest()
         assert path.displacement.max() > 0.01 and path.multiplier.max() > 0.1
 
 
-def test_a_corner_that_moves_only_as_a_settlement_closes_is_not_followed():
-    stone, loose = (Material(20.0, friction) for friction in (0.7, 0.4))
+def settled_portal(*beside: Block) -> tuple[Assembly, State]:
+    """A portal whose left support has moved out and down, and blocks on it or on its right support."""
+    stone = Material(20.0, 0.7)
     supports = [
         Block(rectangle(left, -0.3, right, 0.0), 1.0, stone, support=name)
-        for name, left, right in (("left", -0.5, 0.1), ("right", 1.0, 1.8))
+        for name, left, right in (("left", -0.5, 0.1), ("right", 1.0, 2.8))
     ]
     boxes = ((-0.4, 0.0, 0.0, 1.1), (1.1, 0.0, 1.7, 1.1), (-0.3, 1.1, 1.7, 1.5))
-    portal = [Block(rectangle(*box), 1.0, stone) for box in boxes]
-    on_top = Block(rectangle(1.3, 1.5, 1.7, 2.1), 1.0, loose)
-    model = Assembly([*supports, *portal, on_top])
-    moved = pushdown(model, "left", (0.03, -0.02), increment=0.01).final
+    model = Assembly([*supports, *(Block(rectangle(*box), 1.0, stone) for box in boxes), *beside])
+    return model, pushdown(model, "left", (0.03, -0.02), increment=0.01).final
+
+
+def test_a_corner_that_moves_only_as_a_settlement_closes_is_not_followed():
+    model, moved = settled_portal(Block(rectangle(1.3, 1.5, 1.7, 2.1), 1.0, Material(20.0, 0.4)))
     curve = pushover(
         model, increment=0.02, state=moved
     )  # a pier closes on its support, then the block slides off
@@ -383,6 +387,13 @@ def test_a_corner_that_moves_only_as_a_settlement_closes_is_not_followed():
     assert curve.displacement[-1] > 0.2  # half of the block hangs over; the pier has gone 0.03 m
     with pytest.raises(ControlError, match="takes no part"):
         pushover(model, (0.0, 1.5), increment=0.02, state=moved)
+
+
+def test_a_corner_that_goes_back_as_another_block_goes_over_is_not_chosen():
+    model, moved = settled_portal(Block(rectangle(2.2, 0.0, 2.4, 0.6), 1.0, Material(20.0, 0.7)))
+    curve = pushover(model, direction="-x", increment=0.02, state=moved)  # the pier comes back as α falls
+    assert curve.block == 5
+    assert curve.displacement[-1] == pytest.approx(0.2, rel=0.01)
 
 
 @pytest.mark.parametrize("width", [0.1, 0.05, 0.02])
