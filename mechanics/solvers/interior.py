@@ -18,8 +18,7 @@ from mechanics.types import Array
 MOST_ITERATIONS, IDLE = 100, 10  # in all, and without progress
 ROUGH = 1e-3  # residual of a solution by the associative law near which another one begins
 WHOLE = 1e-2  # of one of joints that do not crush
-# distance from the bounds, per weight and step, at which a program begins near an earlier solution
-APART = 0.3
+APART = 0.3  # distance from the bounds, per weight and step, of a start near an earlier solution
 COLD = 3.0  # per weight and step and root of the number of blocks: forces and gaps of a cold start
 
 
@@ -164,13 +163,16 @@ def stable(program: Program, layout: Elimination, solution: Iterate) -> bool:
     K: tangent stiffness of the joints, G: what their forces change with the geometry (`curved`, which must be given).
     M̄: mass over the square of the time of a step from rest. Under dead load no pivot may be negative. If the multiplier
     is free, one may be, beyond the peak of the curve: then f_Lᵀ(K − G)⁻¹f_L < 0, and with the work of the lateral load
-    held no direction is left that is unstable.
+    held no direction is left that is unstable. By Coulomb's law one of two matrices must be so: the symmetric one of
+    joints that slide under the friction that they have, or the true tangent, whose friction follows N.
     """
-    p = program
-    assert p.curved is not None
-    held = np.full(len(p.load), HOLDING * p.weight / p.step)
-    held[2::3] *= p.size**2
-    if p.mass is not None:
-        held += p.mass[layout.order]
-    negative, lateral_work = inertia(ordered(p, layout), solution.forces, solution.gaps.copy(), held)
-    return negative == 0 or (negative == 1 and lateral_work < 0.0)
+    assert program.curved is not None
+    held = np.full(len(program.load), HOLDING * program.weight / program.step)
+    held[2::3] *= program.size**2
+    if program.mass is not None:
+        held += program.mass[layout.order]
+    tangents = (False, True) if (program.law[:, DILATION] < 1.0).any() else (False,)
+    each = (
+        inertia(ordered(program, layout), solution.forces, solution.gaps, held, skew) for skew in tangents
+    )
+    return any(negative == 0 or (negative == 1 and work < 0.0) for negative, work in each)

@@ -55,7 +55,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
     still, least = STEP.slow * model.size, tolerances.way * model.size
     now, at, time = replace(problem, size=least), begun, tolerances.first
     last: Round | None = None
-    force, half_way, slowing = np.inf, np.inf, False
+    force, half_way, slowing, failed, grows = np.inf, np.inf, False, 0, 0
     for step in range(tolerances.steps):
         before, now = now, replace(now, system=now.system.around(at, now.size))
         mass = model.mass / (time**2 * model.size / GRAVITY)
@@ -67,7 +67,8 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         near = tolerances.faster * led if shorter else tolerances.jump * now.size
         found = _step_from_rest(replace(now, mass=mass), at, last, near, shorter)
         if found is None:
-            time = max(0.5 * time, tolerances.first)
+            time, failed = max(0.5 * time, tolerances.first), failed + 1
+            grows = step + failed + 1
             continue
         last, moved, solves = found, found.at, solves + found.solves
         left, far = way(at, moved, model.size), way(begun, moved, model.size)
@@ -80,7 +81,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         if half_way == np.inf and step >= tolerances.steps // 2 > 0:
             half_way = force
         size = max(least, tolerances.stride * far)
-        time *= min(tolerances.growth, np.sqrt(size / max(left, 1e-300)))
+        time *= min(tolerances.growth if step >= grows else 1.0, np.sqrt(size / max(left, 1e-300)))
         # slips count from the last step: a joint that has slid does not slide back
         assert last.forces is not None
         start = state_at_rest(now.system, moved, last.forces, now.start)
@@ -168,14 +169,8 @@ def _step_from_rest(
         raise ConvergenceError(message("a step of the path was not solved to the required accuracy"))
     moved = displaced(system.model, at, found.displacement)
     everywhere = over_all(found, index, len(system.contacts))
-    return Round(
-        moved,
-        system.resultants(moved, everywhere.forces),
-        everywhere,
-        touching=index,
-        alpha=found.alpha,
-        solves=solves,
-    )
+    forces = system.resultants(moved, everywhere.forces)
+    return Round(moved, forces, everywhere, touching=index, alpha=found.alpha, solves=solves)
 
 
 def lifted(equilibrium: Equilibrium) -> float:

@@ -23,12 +23,12 @@ LINES = {
     "assessment/studies": 2110,
     "assessment/workflow": 864,
     "mechanics": 934,
-    "mechanics/kernels": 3522,
+    "mechanics/kernels": 3519,
     "mechanics/model": 2998,
     "mechanics/procedures": 3651,
     "mechanics/records": 989,
-    "mechanics/solvers": 933,
-    "mechanics/steps": 1798,
+    "mechanics/solvers": 935,
+    "mechanics/steps": 1794,
 }
 
 

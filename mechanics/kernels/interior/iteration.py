@@ -324,12 +324,11 @@ def iterate(
 
 
 @compiled
-def inertia(program: OrderedProgram, f: Array, y: Array, held: Array) -> tuple[int, float]:
+def inertia(program: OrderedProgram, f: Array, y: Array, held: Array, skew: bool) -> tuple[int, float]:
     """Return the number of negative pivots of K − G at a solution, −1 where one vanishes, and f_Lᵀ(K − G)⁻¹f_L.
 
-    Joints that slide by Coulomb's law do so under the friction that they have.
-
-    Forces f (j, 3) and y (j, 4) as in `iterate`; `held` (m,): stiffness added to the diagonal.
+    Joints that slide by Coulomb's law do so under the friction that they have, and K − G is symmetric, or `skew` under
+    one that follows N. Forces f (j, 3) and y (j, 4) as in `iterate`; `held` (m,): stiffness added to the diagonal.
     """
     row, places, law, curved, which = program.joints
     law, least = law.copy(), STIFFEST * program.step / program.weight
@@ -337,14 +336,12 @@ def inertia(program: OrderedProgram, f: Array, y: Array, held: Array) -> tuple[i
     joints = ProgramJoints(row, places, law, curved, which)
     known = np.empty(((len(row) + LANES - 1) // LANES, KNOWN))
     residual, x = np.zeros(len(held)), np.zeros(len(held))
-    evaluate(joints, x, f, y, least, known, residual)
+    evaluate(joints, x, f, y.copy(), least, known, residual)
     half = len(program.stored) // 2
     lower, upper = program.stored[:half], program.stored[half:]
-    assemble(joints, known, held, lower, upper, False, program.pattern)
-    upper[:] = lower
-    negative = lu(lower, upper, program.pattern)
-    if negative < 0 or len(program.lateral) == 0:
-        return negative, 0.0
-    lateral_solution = program.lateral.copy()
+    assemble(joints, known, held, lower, upper, skew, program.pattern)
+    if not skew:
+        upper[:] = lower
+    negative, lateral_solution = lu(lower, upper, program.pattern), program.lateral.copy()
     substitute(lower, upper, program.pattern, lateral_solution)
     return negative, dot(program.lateral, lateral_solution)

@@ -11,6 +11,11 @@ from assessment.project.model import build_model
 from assessment.project.project import load_project
 from mechanics import Assembly, Material, UnstableError, pushdown, pushover
 from mechanics.errors import NoEquilibriumError, RunawayError
+from mechanics.kernels.interior.iteration import inertia
+from mechanics.solvers.interior import ordered
+from mechanics.steps.geometry_iteration import find_equilibrium
+from mechanics.steps.rest import motion_to_rest, way
+from mechanics.steps.static_system import taken
 from mechanics.steps.tolerances import REST
 from tests.support.analysed import arch
 from tests.support.drawn_projects import drawn, tables
@@ -158,3 +163,29 @@ def test_a_symmetric_arch_that_is_spread_does_not_come_to_rest_on_an_unstable_eq
     model = arch_of(Material(20.0, 0.6, 1e7), 7)
     found = pushdown(model, "destro", (0.01, 0.0), increment=4e-3, contacts="elastic", to_collapse=True)
     assert found.ultimate == pytest.approx(0.649, rel=0.02)
+
+
+def test_blocks_that_slide_are_held_by_friction_that_follows_the_normal_force(monkeypatch):
+    """Under the friction that they have at the moment they would not stay; kicked they come back to where they were."""
+    module, held = import_module("mechanics.procedures.step_control"), []
+
+    def followed(problem, guess, last):
+        found = find_equilibrium(problem, guess, last)
+        program, index = problem.pose(found.state.positions, found.forces)
+        near, layout = taken(found.iterate, index), found.system.layout.take(index)
+        spring = np.full(len(program.load), 1e-8 * program.weight / program.step)
+        negative, work = inertia(ordered(program, layout), near.forces, near.gaps, spring, False)
+        if not (negative == 0 or (negative == 1 and work < 0.0)):
+            held.append((problem, found))
+        return found
+
+    monkeypatch.setattr(module, "find_equilibrium", followed)
+    model, random = random_masonry(8), np.random.default_rng(8)
+    pushover(model, None, "+x", "elastic", 0.01 * model.size)
+    problem, found = held[0]
+    still = replace(problem, start=found.state, work=0.0)
+    free, scale = model.movable[:, None], (1.0, 1.0, 1.0 / model.size)
+    for _ in range(4):
+        kick = np.where(free, random.uniform(-1e-4, 1e-4, (len(model.blocks), 3)), 0.0) * model.size * scale
+        rested = motion_to_rest(still, found.state.positions + kick)
+        assert way(rested.state.positions, found.state.positions, model.size) < 5e-4 * model.size
