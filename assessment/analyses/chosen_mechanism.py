@@ -39,17 +39,12 @@ CURVE = {"F_C", "a_0_star", "d_0", "d_0_star"}  # steps of the capacity curve be
 
 @dataclass(frozen=True, slots=True)
 class GivenTolerances:
-    """Tolerances of a mechanism that is given, over its largest displacement but for the last.
+    """Tolerances of a mechanism that is given, over its largest displacement but for the last."""
 
-    `penetration`: allowed for hinges set back from the edge; `rounding`: penetration from rounded coordinates; `still`:
-    displacement of a control point below which it takes no part; `below`: relative tolerance of the comparison with the
-    multiplier of limit analysis.
-    """
-
-    penetration: float = 0.02
-    rounding: float = 1e-4
-    still: float = 1e-6
-    below: float = 1e-3
+    penetration: float = 0.02  # allowed for hinges set back from the edge
+    rounding: float = 1e-4  # penetration from rounded coordinates
+    still: float = 1e-6  # displacement of a control point below which it takes no part
+    below: float = 1e-3  # relative, of the comparison with the multiplier of limit analysis
 
 
 GIVEN = GivenTolerances()
@@ -70,17 +65,13 @@ class MechanismError(SaidError, ValueError):
 
 @dataclass(frozen=True, eq=False)
 class JointMotion:
-    """Motion in the joints of a configuration under virtual displacements.
+    """Motion in the joints of a configuration under virtual displacements."""
 
-    `penetration`: the deepest one, between the blocks `pair`, over the largest displacement; `shut` (j,): which
-    `contacts` are closed at one end or both; `slides` (j,): which slide against friction.
-    """
-
-    penetration: float
+    penetration: float  # the deepest one, between the blocks `pair`, over the largest displacement
     pair: tuple[int, int]
     contacts: Contacts
-    shut: Mask
-    slides: Mask
+    shut: Mask  # (j,): which `contacts` are closed at one end or both
+    slides: Mask  # (j,): which slide against friction
 
     def closed(self, positions: Array) -> kinematics.Closed:
         """Return blocks and ends of the closed contacts at `positions` (b, 3)."""

@@ -16,18 +16,14 @@ Kind = TypeVar("Kind", bound=Part)
 
 @dataclass
 class Found(Generic[Value]):
-    """The `value` that an analysis found; None: nothing, and the `failures` say why.
-
-    `warnings`: what to know about the value; `quality`: certificates of the programs that were solved; `seconds`:
-    computing time; `scatters`: whether the value turns on the last digits of the input, so that runs have a range.
-    """
+    """The `value` that an analysis found; None: nothing, and the `failures` say why."""
 
     value: Value | None = None
-    warnings: list[Message] = field(default_factory=list)
+    warnings: list[Message] = field(default_factory=list)  # what to know about the value
     failures: list[Message] = field(default_factory=list)
-    quality: list[QualityRow] = field(default_factory=list)
-    seconds: float = 0.0
-    scatters: bool = False
+    quality: list[QualityRow] = field(default_factory=list)  # certificates of what was solved
+    seconds: float = 0.0  # computing time
+    scatters: bool = False  # whether the value turns on the last digits of the input: runs have a range
 
     def warn(self, title: str, *texts: Message) -> None:
         """Add warnings about what has that title."""

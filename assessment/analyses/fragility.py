@@ -38,22 +38,17 @@ UNALIKE = 1e-12  # covariance of shares and levels over that of the levels: belo
 
 @dataclass(frozen=True)
 class Observed:
-    """What the levels of one record show: the levels of PROBABILITIES, and β of the probit, 0: no band was met.
+    """What the levels of one record show: the levels of PROBABILITIES, and β of the probit, 0: no band was met."""
 
-    `lowest`: lowest collapse, None: none; `safe`: largest level that stands below it, 0: none; `certain`: that from
-    which all levels collapse, None: not reached; `stands`: levels above the lowest collapse that stand; `gap`: the two
-    levels that are widest apart with none run between. `spacing`: of ln level, around the lowest collapse.
-    """
-
-    safe: float
-    lowest: float | None = None
+    safe: float  # largest level that stands below the lowest collapse, 0: none
+    lowest: float | None = None  # collapse, None: none
     probable: tuple[float, float, float] | None = None
     beta: float = 0.0
     capacity: float | None = None
-    certain: float | None = None
-    stands: tuple[float, ...] = ()
-    gap: tuple[float, float] | None = None
-    spacing: float = 0.0
+    certain: float | None = None  # from it all levels collapse, None: not reached
+    stands: tuple[float, ...] = ()  # levels above the lowest collapse that stand
+    gap: tuple[float, float] | None = None  # the two levels that are widest apart with none run between
+    spacing: float = 0.0  # of ln level, around the lowest collapse
 
     @property
     def middle(self) -> float | None:

@@ -30,18 +30,14 @@ Members = dict[str, list[list[StateResult]]]
 
 @dataclass(frozen=True, slots=True)
 class EnsembleTolerances:
-    """How members differ, when their results are the same, and what their range says.
+    """How members differ, when their results are the same, and what their range says."""
 
-    `increments`: of the project, of the first and the last member, what another user might have chosen; the first is
-    the cheapest. `noise`: of a block's size, by which its corners are moved; `agree`: relative difference of two
-    results that are the same; `wider`: of the span of the runs, by which their range is wider on either side. Of five
-    runs of one normal distribution a sixth then lies within it with 95 %, and without it with two in three.
-    """
-
+    # of the project, of the first and the last member, what another user might have chosen; the first is the cheapest
     increments: tuple[float, float] = (2.0, 0.5)
-    noise: float = 1e-7
-    agree: float = 1e-3
-    wider: float = 0.8
+    noise: float = 1e-7  # of a block's size, by which its corners are moved
+    agree: float = 1e-3  # relative difference of two results that are the same
+    # of five runs of one normal distribution a sixth lies within the range with 95 %, without this with two in three
+    wider: float = 0.8  # of the span of the runs, by which their range is wider on either side
 
 
 ENSEMBLE = EnsembleTolerances()

@@ -134,23 +134,17 @@ Closed = tuple[NDArray[np.intp], NDArray[np.intp], Array]
 
 @dataclass(frozen=True, slots=True)
 class KinematicsTolerances:
-    """Tolerances of the finite motion of a mechanism.
+    """Tolerances of the finite motion of a mechanism."""
 
-    `hinge`: distance of a centre of rotation from a joint, over its length, up to which it is a hinge of it, set back
-    or not; `alike`: difference of the rotations of two macro-blocks, over the largest, up to which they have no
-    relative centre. `step` (rad): of the macro-block that turns fastest; `farthest` (rad): by then α has vanished in
-    every mechanism. `open`: largest gap of a hinge from the integration, over the model's size; `overlap`: of two
-    blocks that does not stop the motion, over the smallest block's area; `grid`: step of the grid on which
-    they are laid over each other, over the model's size.
-    """
-
+    # distance of a centre of rotation from a joint, over its length, up to which it is a hinge of it, set back or not
     hinge: float = 0.02
+    # difference of the rotations of two macro-blocks, over the largest, up to which they have no relative centre
     alike: float = 1e-9
-    step: float = 0.002
-    farthest: float = 1.0
-    open: float = 1e-6
-    overlap: float = 1e-3
-    grid: float = 1e-9
+    step: float = 0.002  # rad, of the macro-block that turns fastest
+    farthest: float = 1.0  # rad: by then α has vanished in every mechanism
+    open: float = 1e-6  # largest gap of a hinge from the integration, over the model's size
+    overlap: float = 1e-3  # of two blocks that does not stop the motion, over the smallest block's area
+    grid: float = 1e-9  # step of the grid on which they are laid over each other, over the model's size
 
 
 MOTION = KinematicsTolerances()

@@ -47,30 +47,25 @@ EXPECTED = 25  # motions of a scan, about
 
 @dataclass(frozen=True)
 class Reach:
-    """Which levels are run: up to `max_scale` times the record's PGA, a factor `ratio` apart.
-
-    The lowest bracket is no wider than `width` (g). `stripes`: these levels (PGA, g) alone.
-    `histories`: record and factor of motions that are computed too: none of them falls below what the scan has found.
-    """
+    """Which levels are run: up to `max_scale` times the record's PGA, a factor `ratio` apart."""
 
     max_scale: float
     ratio: float = SPACING
-    width: float = math.inf
-    stripes: tuple[float, ...] = ()
+    width: float = math.inf  # g, of the lowest bracket, at most
+    stripes: tuple[float, ...] = ()  # these levels (PGA, g) alone
+    # record and factor of motions that are computed too: none of them falls below what the scan has found
     histories: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass
 class Scan:
-    """What a scan found: `points` of every level (PGA, g) run, time step (s), counts, worst residual, seconds.
-
-    `reason`: why there is no answer; `notes`: warnings of the motions, and levels whose outcome is not known.
-    """
+    """What a scan found: `points` of every level (PGA, g) run, time step (s), counts, worst residual, seconds."""
 
     points: list[Level] = field(default_factory=list)
     time_step: float = 0.0
     stripes: bool = False
-    reason: Message | None = None
+    reason: Message | None = None  # why there is no answer
+    # warnings of the motions, and levels whose outcome is not known
     notes: list[Message] = field(default_factory=list)
     counts: Counts | None = None
     worst: float = 0.0

@@ -83,21 +83,16 @@ class Beginning:
 
 @dataclass
 class StateResult:
-    """One state under one behaviour: its movement and its curves by direction, each with what is to be told of it.
-
-    `begun`: what is pushed, and from where; None where the structure collapses before, or finds no rest.
-    `configuration`: displacements of the settled state from the drawing. `member`: its number in the ensemble of the
-    state. `scatters`: whether a path amplifies the last digits of its input.
-    """
+    """One state under one behaviour: its movement and its curves by direction, each with what is to be told of it."""
 
     state: str
     behaviour: Behaviour
-    begun: Beginning | None = None
+    begun: Beginning | None = None  # what is pushed, and from where; None: it falls before, or finds no rest
     moved: Found[Settled] | None = None
     pushed: dict[Direction, Found[Pushed]] = field(default_factory=dict)
-    configuration: Configuration | None = None
-    member: int = 1
-    scatters: bool = False
+    configuration: Configuration | None = None  # displacements of the settled state from the drawing
+    member: int = 1  # its number in the ensemble of the state
+    scatters: bool = False  # whether a path amplifies the last digits of its input
     own_failures: list[Message] = field(default_factory=list)
     coarser_seconds: dict[str, float] = field(default_factory=dict)
 

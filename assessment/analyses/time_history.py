@@ -64,16 +64,13 @@ class Shaking:
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """A motion and the free one after it: time (k,) s, control displacement (k,) m from rest, positions (k, b, 3).
-
-    `forces` (k, j, 3) kN and kNm: N, P and T of the drawn joints; `parts`: its runs.
-    """
+    """A motion and the free one after it: time (k,) s, control displacement (k,) m from rest, positions (k, b, 3)."""
 
     time: Array
     displacement: Array
     positions: Array
-    forces: Array
-    parts: tuple[TimeHistory, ...]
+    forces: Array  # (k, j, 3) kN and kNm: N, P and T of the drawn joints
+    parts: tuple[TimeHistory, ...]  # its runs
 
     @property
     def last(self) -> TimeHistory:

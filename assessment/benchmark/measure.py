@@ -236,22 +236,20 @@ def pushed_program(model: Assembly) -> Program:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """An analysis `run` at some values of a parameter, and what is read off its result.
-
-    `measure`: numbers by name, whose errors are relative to `exact` or to those at the value `reference`; `more`: other
-    fields of a row; `baseline`: programs that PIQP solves, of how many steps; None: no ratio. `way`: how it is solved.
-    """
+    """An analysis `run` at some values of a parameter, and the numbers by name that are read off its result."""
 
     name: str
     run: Callable[[float], Any]
     parameter: str = ""
     values: Sequence[float] = (1.0,)
     measure: Callable[[Any], dict[str, float]] = lambda _: {}
+    # errors are relative to it, or to what is measured at the value `reference`
     exact: dict[str, float] | None = None
     reference: float = math.nan
     default: float = 1.0
-    way: str = ""
-    more: Callable[[Any], Row] = lambda _: {}
+    way: str = ""  # how it is solved
+    more: Callable[[Any], Row] = lambda _: {}  # other fields of a row
+    # programs that PIQP solves, of how many steps; None: no ratio
     baseline: Callable[[Any], tuple[list[Program], int]] | None = path_baseline
 
 

@@ -33,11 +33,7 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True, eq=False)
 class ShakenCase:
-    """A motion to be computed at several steps.
-
-    `damping`: ratio; `displaced` (m): where the control point begins; `after` (s): from when on its largest
-    displacement counts; `exact`: that displacement (m) where there is a closed form.
-    """
+    """A motion to be computed at several steps."""
 
     name: str
     model: Assembly
@@ -45,11 +41,11 @@ class ShakenCase:
     control: tuple[float, float] | None
     duration: float
     record: Wave
-    damping: float = 0.0
+    damping: float = 0.0  # ratio
     state: State | None = None
-    displaced: float = 0.0
-    after: float = 0.0
-    exact: float | None = None
+    displaced: float = 0.0  # m: where the control point begins
+    after: float = 0.0  # s: from when on its largest displacement counts
+    exact: float | None = None  # that displacement (m) where there is a closed form
 
     def run(
         self, step: float, integrator: Integrator, tolerances: HistoryTolerances = HISTORY

@@ -65,29 +65,22 @@ def _carried_on(value: ArrayLike, at: Array, found: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class CurveFit:
-    """An idealised pushover curve: multiplier (k,) over the displacement (k,) of the control point, m.
+    """An idealised pushover curve: multiplier (k,) over the displacement (k,) of the control point, m."""
 
-    model: "trilinear", "bilinear" or "none" (rigid branch alone). alpha_0: multiplier at the onset of the
-    rigid mechanism; d_0: where the rigid branch reaches 0 (None: not reached); alpha_u: peak of the elastic
-    curve; (d_y, alpha_y): end of the elastic branch. The elastic values are None for model "none". `steps`:
-    how they were found; `source`: where alpha_0 and d_0 come from; elastic_end: where the structure
-    with elastic contacts has no equilibrium any more (m of the control point), None where its curve was not followed
-    that far; way: where displacement and d_0 are those of the blocks, not of the control point.
-    """
-
-    model: str
-    alpha_0: float
-    d_0: float | None
-    alpha_u: float | None
-    alpha_y: float | None
+    model: str  # "trilinear", "bilinear" or "none" (rigid branch alone: no elastic values)
+    alpha_0: float  # multiplier at the onset of the rigid mechanism
+    d_0: float | None  # where the rigid branch reaches 0; None: not reached
+    alpha_u: float | None  # peak of the elastic curve
+    alpha_y: float | None  # end of the elastic branch: (d_y, alpha_y)
     d_y: float | None
     displacement: Array
     multiplier: Array
     notes: tuple[Message, ...] = ()
-    steps: Trace = ()
-    source: str = "pushover, rigid contacts"
+    steps: Trace = ()  # how they were found
+    source: str = "pushover, rigid contacts"  # where alpha_0 and d_0 come from
+    # where the structure with elastic contacts has no equilibrium any more (m of the control point); None: not known
     elastic_end: float | None = None
-    way: Way | None = None
+    way: Way | None = None  # where displacement and d_0 are those of the blocks, not of the control point
 
     @property
     def drops(self) -> bool:

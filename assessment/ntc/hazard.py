@@ -180,16 +180,12 @@ class Hazard:
 
 @dataclass(frozen=True, eq=False)
 class HazardCurve:
-    """Hazard of one site for the nine return periods.
-
-    `values` (9, 3) are a_g (g), F0, T_C* (s) at RETURN_PERIODS, the average of `node_values` (m, 9, 3) of the
-    m = 4 nodes of the cell (1 when the site is a node), at `distances` (m,) in km.
-    """
+    """Hazard of one site for the nine return periods: a_g (g), F0, T_C* (s) at RETURN_PERIODS."""
 
     name: str
-    values: Array
-    node_values: Array
-    distances: Array
+    values: Array  # (9, 3), the average of the nodes
+    node_values: Array  # (m, 9, 3), of the m = 4 nodes of the cell (1 when the site is a node)
+    distances: Array  # (m,), km
 
     def at(self, return_period: float) -> Hazard:
         """Return the hazard for T_R (30 to 2475 years): log p linear in log T_R (Allegato A, eq. 1)."""

@@ -24,15 +24,12 @@ from mechanics.types import Array
 
 @dataclass(frozen=True, eq=False)
 class StateModel:
-    """The assembly of a state: `settling` as its support moves, or as drawn; `strengthened`, None: by nothing.
-
-    The last `later` ties of the latter are set after the movement, there as long as drawn.
-    """
+    """The assembly of a state: `settling` as its support moves, or as drawn; `strengthened`, None: by nothing."""
 
     name: str
     settling: Assembly
     strengthened: Assembly | None = None
-    later: int = 0
+    later: int = 0  # how many of its last ties are set after the movement, there as long as drawn
 
     @property
     def assembly(self) -> Assembly:
@@ -213,18 +210,14 @@ FAR = 0.5  # of a block's size: a joint farther from the point of a crack is not
 
 @dataclass(frozen=True)
 class Gauge:
-    """Where something is measured: the value that it shows depends on the positions of the blocks alone.
-
-    Of a crack or slip: `joint`, and `end` (0, 1) of it that is nearest to the point. Of a lean: `block`. Of a relative
-    displacement: `point` (m, as drawn) of `block`, against `origin` of `origin_block` (None: the benchmark), along
-    `axis` (0: x, 1: z). `block` is in every case one that the point moves with.
-    """
+    """Where something is measured: the value that it shows depends on the positions of the blocks alone."""
 
     kind: Literal["crack", "slip", "lean", "relative"]
-    point: tuple[float, float]
-    block: int
-    joint: int = -1
+    point: tuple[float, float]  # m, as drawn
+    block: int  # one that the point moves with
+    joint: int = -1  # of a crack or slip, and the end (0, 1) of it that is nearest to the point
     end: int = 0
+    # of a relative displacement: against it, of `origin_block` (None: the benchmark), along `axis` (0: x, 1: z)
     origin: tuple[float, float] | None = None
     origin_block: int | None = None
     axis: int = 0

@@ -30,22 +30,16 @@ WHOLE = 1e-3  # of the peak acceleration: a window that loses no more of it hold
 
 @dataclass(frozen=True, eq=False)
 class BaseMotion:
-    """What shakes the base: `record` at the analysis' step in the window that begins at `start` (s) of the file.
-
-    `pga` (g): largest horizontal acceleration in the window before resampling, `scale` included. `original`: the whole
-    record, scaled. `vertical`: upward at the instants of `record`, None where there is none. `notes`: what the user
-    should know. `amplitude`: of a member of an ensemble, a factor on what shakes the base that `pga` and `scale` do
-    not include.
-    """
+    """What shakes the base: `record` at the analysis' step in the window that begins at `start` (s) of the file."""
 
     record: Record
-    original: Record
-    pga: float
+    original: Record  # the whole record, scaled
+    pga: float  # g: largest horizontal acceleration in the window before resampling, `scale` included
     scale: float
     start: float = 0.0
-    vertical: Record | None = None
-    notes: tuple[Message, ...] = ()
-    amplitude: float = 1.0
+    vertical: Record | None = None  # upward, at the instants of `record`
+    notes: tuple[Message, ...] = ()  # what the user should know
+    amplitude: float = 1.0  # of a member of an ensemble, a factor that `pga` and `scale` leave out
 
     @property
     def name(self) -> str:

@@ -26,6 +26,7 @@ from mechanics.types import Array, Index, Mask
 IDLE = 1e-6  # of the model's weight: a joint that carries less carries nothing
 EDGE = 0.02  # of the joint's length: a resultant so near its end makes a hinge
 FRICTION = 0.99  # of μN: a joint about to slide
+# the resultant within the middle third (the whole joint presses), outside it, at an edge, on the cone of friction; idle
 CONDITIONS = ("whole", "partial", "edge", "sliding", "idle")
 
 
@@ -70,17 +71,13 @@ class Met:
 
 @dataclass(frozen=True, eq=False)
 class Faces:
-    """Joints of the results, ready for their kinematics.
+    """Joints of the results, ready for their kinematics."""
 
-    `contacts`: their faces and friction; `centroids` (b, 2) m as drawn; `depth` (m) and `strength` (kN/m²) (j,),
-    infinite where there is no limit. `drawn`: how many of them are joints of the drawing; the others met as blocks
-    moved, and their slips have no start to count from.
-    """
-
-    contacts: Contacts
-    centroids: Array
-    depth: Array
-    strength: Array
+    contacts: Contacts  # their faces and friction
+    centroids: Array  # (b, 2) m as drawn
+    depth: Array  # (j,) m
+    strength: Array  # (j,) kN/m², infinite where there is no limit
+    # how many are joints of the drawing; the others met as blocks moved, and their slips have no start to count from
     drawn: int
 
     def positions(self, configuration: Array) -> Array:
@@ -128,49 +125,37 @@ def outlines(results: Results) -> Shape:
 
 @dataclass(frozen=True)
 class Situation:
-    """A state in equilibrium whose joint forces are known: at rest (`direction` None), or at the onset of a mechanism.
-
-    `configuration` (b, 3); `force` (j, 2) kN: N and T, `centre` (j,) as a share of the overlap, of drawn joints and
-    those `met`; `tension` (t,) kN of the ties; `alpha`: the multiplier; `contacts`: the behaviour.
-    """
+    """A state in equilibrium whose joint forces are known: at rest (`direction` None), or as a mechanism begins."""
 
     state: str
     direction: Direction | None
-    contacts: Behaviour
-    alpha: float
-    configuration: Array
-    force: Array
-    centre: Array
+    contacts: Behaviour  # the behaviour
+    alpha: float  # the multiplier
+    configuration: Array  # (b, 3)
+    force: Array  # (j, 2) kN: N and T, of drawn joints and those `met`
+    centre: Array  # (j,), as a share of the overlap
     met: Sequence[Face]
-    tension: Array = field(default_factory=lambda: np.zeros(0))
+    tension: Array = field(default_factory=lambda: np.zeros(0))  # (t,) kN of the ties
 
 
 @dataclass(frozen=True)
 class JointStates:
-    """The joints in a situation, the drawn ones and then those that met.
+    """The joints in a situation, the drawn ones and then those that met."""
 
-    `blocks` (j, 2); `ends` (j, 2, 2) m of where the faces overlap now, midway between them; `point` (j, 2) where the
-    resultant crosses; `force` (j, 2) kN, x and z, on the first block; `normal`, `shear` (j,) kN, compression positive;
-    `eccentricity` (j,) m from the middle of the overlap; `contact` (j,) m, the length that presses, and `pressure` (j,)
-    kN/m² at its edge, of a linear bed without tension that crushes at its strength; `uncrushed` (j,): the same without
-    strength; both infinite in a hinge at the very edge. `opening` (j, 2) m at the two ends, NaN where faces have slid
-    off each other; `slip` (j,) m, NaN for those that met. `condition` (j,) of CONDITIONS: the resultant within the
-    middle third (the whole joint presses), outside it, at an edge, on the cone of friction; idle.
-    """
-
-    blocks: Index
-    ends: Array
-    point: Array
-    force: Array
-    normal: Array
-    shear: Array
-    eccentricity: Array
+    blocks: Index  # (j, 2)
+    ends: Array  # (j, 2, 2) m of where the faces overlap now, midway between them
+    point: Array  # (j, 2) where the resultant crosses
+    force: Array  # (j, 2) kN, x and z, on the first block
+    normal: Array  # (j,) kN, compression positive
+    shear: Array  # (j,) kN
+    eccentricity: Array  # (j,) m from the middle of the overlap
+    # (j,) m, the length that presses, and kN/m² at its edge: a linear bed without tension that crushes at its strength
     contact: Array
-    pressure: Array
-    uncrushed: Array
-    opening: Array
-    slip: Array
-    condition: list[str]
+    pressure: Array  # infinite in a hinge at the very edge
+    uncrushed: Array  # (j,): the same without strength
+    opening: Array  # (j, 2) m at the two ends, NaN where faces have slid off each other
+    slip: Array  # (j,) m, NaN for those that met
+    condition: list[str]  # (j,) of CONDITIONS
 
 
 def situations(results: Results) -> Iterator[Situation]:

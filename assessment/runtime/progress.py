@@ -27,24 +27,20 @@ OVER = 1.0  # s: since when
 
 @dataclass
 class Stage:
-    """How far a stage is, of whose `total` analyses all but `taken` are to be computed; times in s, of time.time().
-
-    `work`: of these analyses, `reached` until `latest`, those at work with their share, in a unit of its own;
-    `under_way`: the analysis that it is at `since` then, of several the one that it has been at for longest; `faults`:
-    title and reasons of those, computed or taken over, that could not be completed.
-    """
+    """How far a stage is, of whose `total` analyses all but `taken` are to be computed; times in s, of time.time()."""
 
     name: str
     total: int
     taken: int
-    work: float
+    work: float  # of these analyses, in a unit of its own
     began: float = field(default_factory=time.time)
     done: int = 0
-    reached: float = 0.0
+    reached: float = 0.0  # until `latest`, analyses at work with their share
     latest: float = 0.0
     ended: bool = False
-    under_way: str | None = None
+    under_way: str | None = None  # the analysis that it is at `since` then, of several for longest
     since: float = 0.0
+    # title and reasons of analyses, computed or taken over, that could not be completed
     faults: list[tuple[str, list[str]]] = field(default_factory=list)
 
     def reach(self, work: float, finished: int = 0) -> None:

@@ -102,21 +102,16 @@ class Outcome:
 
 @dataclass
 class Workers:
-    """How analyses are computed, and how many were.
+    """How analyses are computed, and how many were."""
 
-    `jobs`: processes, 0: one per core if worth it; `scheduler`: address of a Dask cluster instead; `store`: where
-    results are kept and, unless `fresh`, looked for.
-    `taken`: from earlier runs; what this one `kept` itself and needs again does not count.
-    """
-
-    jobs: int = 0
-    store: Store | None = None
+    jobs: int = 0  # processes, 0: one per core if worth it
+    store: Store | None = None  # where results are kept and, unless `fresh`, looked for
     fresh: bool = False
     show: Show = field(default_factory=Show)
     computed: int = 0
-    taken: int = 0
+    taken: int = 0  # from earlier runs; what this one `kept` itself and needs again does not count
     kept: set[str] = field(default_factory=set)
-    scheduler: str | None = None
+    scheduler: str | None = None  # address of a Dask cluster instead
     engine: Pool | None = None
 
     def each(

@@ -89,24 +89,17 @@ Predict = Callable[[Sequence[Array]], Sequence[Array | None]]
 
 @dataclass(frozen=True)
 class FitTolerances:
-    """Tolerances of the fit.
+    """Tolerances of the fit; shares are of the movement."""
 
-    As shares of the movement: `difference`, of finite differences, at least `least` (m); `reach`, the first distance of
-    the pattern search, which ends at that of the differences; `rounds`: its most. `dampings`: of the trial steps,
-    relative to the largest curvature. `gain`: of χ², or of `exact` where it is less, below which a step has none;
-    `smooth`: of slopes over two successive steps, by which they may differ; `linear`: of what is predicted within a
-    standard error, in σ, from its linear part.
-    """
-
-    difference: float = 0.01
+    difference: float = 0.01  # share: of finite differences, at least `least` (m)
     least: float = 1e-6
-    reach: float = 0.25
-    rounds: int = 40
-    dampings: tuple[float, ...] = (0.0, 1e-2, 1.0)
-    gain: float = 1e-6
+    reach: float = 0.25  # share: first distance of the pattern search, which ends at that of the differences
+    rounds: int = 40  # of it, at most
+    dampings: tuple[float, ...] = (0.0, 1e-2, 1.0)  # of the trial steps, over the largest curvature
+    gain: float = 1e-6  # of χ², or of `exact` where it is less, below which a step has none
     exact: float = 1e-2
-    smooth: float = 0.1
-    linear: float = 0.5
+    smooth: float = 0.1  # of slopes over two successive steps, by which they may differ
+    linear: float = 0.5  # of what is predicted within a standard error, in σ, from its linear part
 
 
 FIT = FitTolerances()
@@ -114,15 +107,12 @@ FIT = FitTolerances()
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """The best values `u` (n,), m; `residual` (m,) over σ; `slopes` (m,), 1/m, of each unknown, two at a kink.
-
-    `stopped`: whether a step towards a better fit ended in a movement that the structure does not survive.
-    """
+    """The best values `u` (n,), m; `residual` (m,) over σ; `slopes` (m,), 1/m, of each unknown, two at a kink."""
 
     u: Array
     residual: Array
     slopes: tuple[tuple[Array, ...], ...]
-    stopped: bool
+    stopped: bool  # whether a step towards a better fit ended where the structure does not survive
 
     @property
     def chi_squared(self) -> float:

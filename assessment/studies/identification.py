@@ -127,16 +127,12 @@ STARTS = 3  # directions that are refined
 
 @dataclass
 class Followed:
-    """A path of moving supports: at each `share` (k,) of the whole movement the readings `shown` (k, m), mm or mrad.
-
-    `configuration` (b, 3): after the whole movement; None where the structure falls before, or cannot be followed.
-    `stopped`: why it cannot be followed farther; None where the structure falls, or the whole movement was followed.
-    """
+    """A path of moving supports: at each `share` (k,) of the whole movement the readings `shown` (k, m), mm or mrad."""
 
     share: Array
     shown: Array
-    configuration: Configuration | None = None
-    stopped: Message | None = None
+    configuration: Configuration | None = None  # (b, 3) after the whole; None: not followed to there
+    stopped: Message | None = None  # why no farther; None: it falls, or the whole was followed
     quality: list[QualityRow] = field(default_factory=list)
     seconds: float = 0.0
 
@@ -174,20 +170,17 @@ def follow(
 
 @dataclass(frozen=True, eq=False)
 class MovementSearch:
-    """How movements are followed: model, law of sliding, gauges, what was measured, processes; messages to `study`.
-
-    `value`, `sigma` (m,): measured at the gauges, mm or mrad; `largest` (m): of the displacements. `stopped`: why paths
-    of a hypothesis could not be followed to their end, other than by a collapse.
-    """
+    """How movements are followed: model, law of sliding, gauges, what was measured, processes; messages to `study`."""
 
     model: Assembly
     sliding: Sliding
     gauges: tuple[Gauge, ...]
-    value: Array
+    value: Array  # (m,) measured at the gauges, mm or mrad
     sigma: Array
-    largest: float
+    largest: float  # m, of the displacements
     workers: Workers
     study: Study
+    # why paths of a hypothesis could not be followed to their end, other than by a collapse
     stopped: dict[fitting.Unknowns, list[Message]] = field(default_factory=lambda: defaultdict(list))
 
     def residual(self, shown: Array) -> Array:

@@ -31,34 +31,27 @@ SCALED = 3.0  # factor on a record beyond which its level is no longer that of s
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """A state that is shaken: its assembly, where it rests or why not; `path`: the movement it follows on.
-
-    `ultimate`, `d_0_m` (m): where the static capacity vanishes in both directions, in the first; None: not known.
-    """
+    """A state that is shaken: its assembly, where it rests or why not; `path`: the movement it follows on."""
 
     title: Message
     path: str
     model: Assembly
     start: Start
-    ultimate: float | None
-    d_0_m: float | None
+    ultimate: float | None  # m: where the static capacity vanishes in both directions; None: not known
+    d_0_m: float | None  # m: in the first; None: not known
 
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """A record of one `sign` from a state; `shaking` has the sign that is run.
-
-    Both signs of a structure that is its own mirror image are one run. `after`: the one at whose level it begins.
-    `ratio`: measure of intensity over the PGA of the record.
-    """
+    """A record of one `sign` from a state; `shaking` has the sign that is run."""
 
     shaking: Shaking
     sign: int
-    run_sign: int
+    run_sign: int  # one for both signs of a structure that is its own mirror image
     reach: Reach
     state: Place
-    after: "Asked | None" = None
-    ratio: float = 1.0
+    after: "Asked | None" = None  # the one at whose level it begins
+    ratio: float = 1.0  # measure of intensity over the PGA of the record
 
     @property
     def record(self) -> str:

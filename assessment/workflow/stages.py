@@ -65,20 +65,17 @@ def run(
 
 @dataclass
 class Draft:
-    """The results of a run while its stages add to them; `finished` returns them.
-
-    `seconds` by stage; estimated `errors` of paths and searches; `complete`: whether all analyses asked for were.
-    """
+    """The results of a run while its stages add to them; `finished` returns them."""
 
     read: Checked
     workers: Workers
     results: Results
     warnings: list[Message]
     quality: list[QualityRow] = field(default_factory=list)
-    seconds: dict[str, float] = field(default_factory=dict)
-    errors: list[ConvergenceRow] = field(default_factory=list)
-    search_errors: list[ConvergenceRow] = field(default_factory=list)
-    complete: bool = True
+    seconds: dict[str, float] = field(default_factory=dict)  # by stage
+    errors: list[ConvergenceRow] = field(default_factory=list)  # estimated, of paths
+    search_errors: list[ConvergenceRow] = field(default_factory=list)  # estimated, of searches
+    complete: bool = True  # whether all analyses asked for were
 
     @property
     def project(self) -> Project:

@@ -32,26 +32,19 @@ FACTORS = {("m", "mm"): 1000.0, ("–", "%"): 100.0, ("kN/m²", "MPa"): 0.001, (
 
 @dataclass(frozen=True)
 class Quantity:
-    """How a quantity is called and written, wherever it is: in tables, headings, figures, page, and documents.
-
-    `label` by language; `words`: whether its values are words; `shown`: unit in reports, where it is another one;
-    `digits`: significant ones at most; `decimals`: of what has an accuracy of its own, in place of digits; `null`: what
-    null means, as in `value.<null>` of the strings; `ground`: what an acceleration refers to, "rock" (or the surface,
-    where the spectrum is that of a record) or "surface"; `ratio`: to be compared with 1, with digits enough to tell;
-    `change`: a loss or a gain, in per cent.
-    """
+    """How a quantity is called and written, wherever it is: in tables, headings, figures, page, and documents."""
 
     name: str
     unit: str
-    label: Mapping[str, str]
-    words: bool
-    shown: str = ""
-    digits: int | None = None
-    decimals: int | None = None
-    null: str = ""
-    ground: str = ""
-    ratio: bool = False
-    change: bool = False
+    label: Mapping[str, str]  # by language
+    words: bool  # whether its values are words
+    shown: str = ""  # unit in reports, where it is another one
+    digits: int | None = None  # significant ones at most
+    decimals: int | None = None  # of what has an accuracy of its own, in place of digits
+    null: str = ""  # what null means, as in `value.<null>` of the strings
+    ground: str = ""  # of an acceleration: "surface", or "rock" (with a spectrum of a record the surface)
+    ratio: bool = False  # to be compared with 1, with digits enough to tell
+    change: bool = False  # a loss or a gain, in per cent
 
     @property
     def factor(self) -> float:
