@@ -268,18 +268,15 @@ def way_of_blocks(rigid: RigidPush, gamma_star: float, direction: Direction) -> 
 
 
 def rigid_branch(rigid: RigidPush, way: Way) -> Curve:
-    """Return the rigid curve from the mechanism on, over growing d*/Γ* (m), no higher than α0.
-
-    Where equilibrium is lost before α = 0 it ends with a vertical drop; at zero the last multiplier is none.
-    """
+    """Return the rigid curve from the mechanism on, over growing d*/Γ* (m), no higher than α0."""
     multiplier = np.minimum(rigid.curve.multiplier, rigid.alpha_0)
     if rigid.reached_zero:
-        multiplier[-1] = 0.0
+        multiplier[-1] = 0.0  # the last multiplier is none
     formed = rigid.mechanism.point
     d, alpha = way.equivalent[formed:], multiplier[formed:]
     grows = np.concatenate([[True], d[1:] > np.maximum.accumulate(d)[:-1]])
     d, alpha = d[grows], alpha[grows]
-    if rigid.lost:
+    if rigid.lost:  # before α = 0: the curve ends with a vertical drop
         d, alpha = np.append(d, d[-1] * (1.0 + 1e-9) + 1e-15), np.append(alpha, 0.0)
     return d, alpha
 

@@ -217,11 +217,7 @@ def _fit(
 
 
 def compared(found: parts.GivenMechanism, alpha_0: float | None, onset: float | None) -> parts.GivenMechanism:
-    """Return the mechanism with the α0 of its state in its direction, and a note if its own α0 is lower.
-
-    In a settled state a hinge of the settlement may close at `onset` < α0. A mechanism without sliding and
-    penetration is an upper bound of `onset`, the limit analysis in the configuration of the state.
-    """
+    """Return the mechanism with the α0 of its state in its direction, and a note if its own α0 is lower."""
     notes, own = list(known(found.notes)), known(found.alpha_0)
     if onset is not None and own < (1.0 - GIVEN.below) * onset:
         notes.append(message(

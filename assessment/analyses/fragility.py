@@ -210,21 +210,19 @@ def samples_of_records(records: Sequence[str]) -> Array | None:
 
 
 def fit_levels(level: Array, withstood: Mask, weights: Array) -> Lognormal:
-    """Fit levels of collapse (n,); those `withstood` are lower bounds: by expectation-maximisation where there are any.
-
-    Else mean and root mean square of the logarithms; equal levels have β = 0. Where all withstood there is no median.
-    """
+    """Fit levels (n,) of collapse; those `withstood` are lower bounds: by expectation-maximisation if there are any."""
     x = np.log(level)
     total, fell = weights.sum(axis=1), weights @ (~withstood).astype(float)
     with np.errstate(all="ignore"):
         mean = weights @ (x * ~withstood) / fell
         spread = np.sqrt(np.maximum(weights @ (x**2 * ~withstood) / fell - mean**2, 0.0))
+    # where all withstood there is no median
     mean, spread = np.where(fell > 0, mean, np.nan), np.where(fell > 0, spread, np.nan)
     some = (weights @ withstood.astype(float) > 0.0) & (fell > 0)
     if some.any():
         own = weights[some], total[some], mean[some], np.maximum(spread[some], WIDE)
         mean[some], spread[some] = _censored(x, withstood, *own)
-    spread[spread < 2.0 * NARROWEST] = 0.0
+    spread[spread < 2.0 * NARROWEST] = 0.0  # levels are equal
     return Lognormal(np.exp(mean), spread)
 
 

@@ -311,11 +311,8 @@ def _rigid_notes(curve: static.RigidPush, path: procedures.Pushover) -> Iterator
 
 
 def rests_or_moves(model: mechanics.Assembly, name: str, start: mechanics.State) -> Found[float]:
-    """Return the largest ratio of the associative to Coulomb's multiplier of both directions, and warn of a large one.
-
-    Between the two rigid joints may move or rest; a motion rests wherever it can.
-    """
-    found = Found(1.0)
+    """Return the larger ratio of associative to Coulomb's multiplier of both directions, and warn of a large one."""
+    found = Found(1.0)  # between the two rigid joints may move or rest; a motion rests wherever it can
     for direction in get_args(Direction):
         with suppress(*paths.NO_ANSWER):
             moves = mechanics.limit_analysis(model, direction, start, "coulomb").alpha
@@ -363,10 +360,7 @@ def second_solver(
 
 
 def with_control(project: Project, model: mechanics.Assembly) -> tuple[Project, list[Message]]:
-    """Return the project with a control point for each direction that needs one and has none, and which these are.
-
-    It is the corner that goes farthest in the first mechanism as drawn: the same in every state, to compare them.
-    """
+    """Return the project with a control point for each direction that needs one and has none, and which these are."""
     needed = project.pushover or project.history or project.incremental or project.campaign
     if project.control or not needed:
         return project, []
@@ -379,6 +373,7 @@ def with_control(project: Project, model: mechanics.Assembly) -> tuple[Project, 
         with suppress(*paths.NO_ANSWER):
             limit = mechanics.limit_analysis(model, direction, sliding=project.contacts.sliding)
             moved = begun + 1e-6 * model.size * limit.mechanism
+        # the same corner in every state, to compare them
         (x, z), block = procedures.farthest_corner(model, begun, moved, direction)
         name = CHOSEN[project.report.language].format(direction=direction)
         points.append(ControlTable(name=name, point_m=(float(x), float(z))))

@@ -59,16 +59,13 @@ def normal_forces(path: Path) -> Array:
 
 
 def along_path(path: Path, peak: int, rigid: bool) -> list[TieTension] | None:
-    """Return the tension of each tie along a path and at its `peak`, a point of it; None where there is no tie.
-
-    `rigid`: known where determined, not at rest. Elastic: the greatest is no less than the pretension.
-    """
+    """Return the tension of each tie along a path and at its `peak`, a point of it; None where there is no tie."""
     model, carried = path.model, carried_along(path)
     if not model.ties:
         return None
     unknown = np.full(len(model.ties), np.nan)
     pulled = np.array([unknown if each is None else tensions(model, each.forces) for each in carried])
-    if rigid:
+    if rigid:  # known where it is determined, not at rest
         moved = list(np.diff([state.positions for state in path.states], axis=0))
         still = np.zeros_like(path.states[0].positions)
         moved = [*(moved[:1] or [still]), *moved]
@@ -93,10 +90,7 @@ def along_path(path: Path, peak: int, rigid: bool) -> list[TieTension] | None:
 
 
 def determined(model: Assembly, moved: Sequence[Array]) -> Mask:
-    """Return in which motions (k, b, 3) the tension of each tie (k, t) is determined with rigid joints.
-
-    It is where its two blocks move against each other: hinges leave no self-stress, blocks that move as one any.
-    """
+    """Return in which motions (k, b, 3) the tension of each tie (k, t) is determined with rigid joints."""
     found = np.zeros((len(moved), len(model.ties)), dtype=bool)
     start = np.reshape([model.from_origin(tie.points[0]) for tie in model.ties], (-1, 2))
     length, owner = np.array([tie.taut_length for tie in model.ties]), model.tie_blocks
@@ -104,6 +98,7 @@ def determined(model: Assembly, moved: Sequence[Array]) -> Mask:
         least = NOTICED * float(abs(motion[:, :2]).max())
         at = field(np.repeat(start, 2, axis=0), owner.ravel(), model.initial.positions[:, :2], motion)
         apart = abs(np.diff(at.reshape(-1, 2, 2), axis=1)).max(axis=(1, 2))
+        # hinges leave no self-stress, blocks that move as one any
         found[point] = np.maximum(apart, abs(np.diff(motion[owner, 2], axis=1)[:, 0]) * length) > least
     return found
 
@@ -111,14 +106,11 @@ def determined(model: Assembly, moved: Sequence[Array]) -> Mask:
 def while_shaken(
     model: Assembly, time: Array, forces: Array, final: State, rigid: bool
 ) -> list[ShakenTie] | None:
-    """Return the greatest tension of ties at times (k,) s, None: no tie; of drawn contacts' `forces` (k, j, 3) kN, kNm.
-
-    With `rigid` joints it is not determined, and a tie that has lengthened up to the `final` state has yielded.
-    """
+    """Return the greatest tension of ties at times (k,) s, None: no tie; of drawn `forces` (k, j, 3), kN and kNm."""
     if not model.ties:
         return None
     longer = np.zeros(len(model.ties)) if final.lengthened is None else final.lengthened
-    if rigid:
+    if rigid:  # not determined; what has lengthened up to the `final` state has yielded
         none = [None] * len(model.ties)
         yields, greatest, when = longer > NOTICED * model.size, none, none
     else:

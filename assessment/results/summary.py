@@ -281,11 +281,9 @@ def told_of(found: Identification) -> list[Explanation]:
 
 
 def fits(best: Explanation) -> bool:
-    """Return whether a movement explains the measurements: its χ² is probable, and no measurement contradicts it.
-
-    With as many unknowns as measurements χ² is at most that of one measurement off by three standard deviations.
-    """
+    """Return whether a movement explains the measurements: its χ² is probable, and no measurement contradicts it."""
     unlikely = best.probability is not None and best.probability < UNLIKELY
+    # with as many unknowns as measurements χ² is at most that of one measurement off by three standard deviations
     unmet = not best.degrees_of_freedom and (best.chi_squared or 0.0) > UNMET
     return not (unlikely or unmet or best.contradicting)
 

@@ -74,11 +74,7 @@ def asked_for(
     project: Project, table: MotionTable, drawn: Assembly, places: Iterable[Place], motions: Sequence[BaseMotion],
     signs: Sequence[int], reach: Reach, ratio: Mapping[str, float],
 ) -> list[Asked]:  # fmt: skip
-    """Return every record with every sign from every state.
-
-    A scan begins at the level found for the same record and sign at the state before on its path, else for the record's
-    first sign, else the first record. Where the structure as `drawn` is its own mirror image one sign of it is run.
-    """
+    """Return every record with every sign from every state, one sign where `drawn` is its own mirror image."""
     control, mirror = project.control_point(table.control), Mirror.of(drawn, table.contacts)
     symmetric = mirror is not None and mirror.swaps(control.point_m, control.point_m)
     integrated = MotionTable(**{key: getattr(table, key) for key in MotionTable.model_fields})
@@ -89,6 +85,7 @@ def asked_for(
         for sign in signs:
             run_sign = signs[0] if symmetric and place.start is drawn.initial else sign
             at, by = (place.path, motion.name, sign), ratio[motion.name]
+            # begins at the level of the state before on its path, else of the first sign, else of the first record
             after = before.get(at) or before.get(motion.name) or (found[0] if found else None)
             turned = replace(motion, record=motion.record.scaled(float(run_sign)))
             shaking = Shaking(place.model, turned, setting, place.start, str(place.title))

@@ -104,11 +104,7 @@ def capacities_of(
     project: Project, stages: Collection[StateResult], pushovers: Mapping[Direction, Pushovers],
     checked: Mapping[Direction, Capacity],
 ) -> dict[Direction, studies.Capacities]:  # fmt: skip
-    """Return the capacity of one state for a study, by direction; null: asked for, but not reached.
-
-    `collapses`: under one of the contact behaviours the structure falls before the whole movement is applied;
-    a_g and ζ_E are of the farthest limit state.
-    """
+    """Return the capacity of one state for a study, by direction; null: asked for, but not reached."""
     contacts, limit = project.pushed_contacts, quoted_limit_state(project) or ""
     found: dict[Direction, studies.Capacities] = {}
     for direction in directions(project):
@@ -122,6 +118,7 @@ def capacities_of(
         if project.assessment:
             check = capacity.checks.get(limit) if capacity else None
             made |= {"a_g_g": check.a_g_g if check else None, "zeta_E": check.zeta_E if check else None}
+        # under one of the behaviours, before the whole movement is applied
         fallen = any(stage.pushdown is not None and stage.reached is None for stage in stages)
         found[direction] = studies.Capacities(collapses=fallen, **made)
     return found

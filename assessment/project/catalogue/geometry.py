@@ -122,15 +122,13 @@ def courses(z0: float, z1: float, height: float, key: str = "course_height_m") -
 
 
 def fitted(cells: Iterable[Array], region: Polygon, thinnest: float = THINNEST) -> list[Array]:
-    """Return the cells (n, 2) m cut to a region without gap or overlap; what is thinner (m) is joined to a neighbour.
-
-    Symmetric cells stay so: of equal neighbours the one nearer the axis takes it, both where it stands on the axis.
-    """
+    """Return cells (n, 2) m cut to a region without gap or overlap; what is thinner (m) is joined to a neighbour."""
     # of a cell that only touches the region a plain overlay may give the whole: one on a grid does not
     inside = [each for each in map(Polygon, cells) if intersection(each, region, grid_size=1e-9).area > 1e-9]
     cut = [each.intersection(region) for each in inside]
     pieces = [part for c in cut for part in getattr(c, "geoms", [c]) if part.area > 1e-9]
     while len(pieces) > 1 and (slivers := [each for each in pieces if each.buffer(-0.5 * thinnest).is_empty]):
+        # symmetric cells stay so: of equal neighbours the one nearer the axis takes it, both if it stands on the axis
         sliver = min(slivers, key=lambda piece: (round(piece.area, 9), _off_axis(piece)))
         others = [piece for piece in pieces if piece is not sliver]
         bond = [(round(other.intersection(sliver).length, 9), -_off_axis(other)) for other in others]

@@ -245,11 +245,9 @@ class Judgement:
 
 
 def judgement(results: Results, words: Words, folder: Path) -> Judgement:
-    """Return the judgement to write into `folder`: the draft, or the file there where it was edited.
-
-    A digest in its first line tells: of the draft that follows. A warning says where the draft has changed since.
-    """
+    """Return the judgement to write into `folder`: the draft, or the file there where it was edited."""
     body = "\n".join(f"- {plain_text(sentence)}" for sentence in draft_judgement(results, words)) + "\n"
+    # by the digest of the draft that follows, in the first line, is known whether it was edited
     mark = f"<!-- draft {_digest(body)}: {words.plain('judgement.file')} -->\n\n"
     path = folder / NAME
     if path.is_file():

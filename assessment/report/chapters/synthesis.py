@@ -135,11 +135,7 @@ def _outcome(results: Results, name: str, words: Words) -> str:
 
 
 def _strengthened(results: Results, name: str, words: Words) -> Markup:
-    """Return what an intervention gives back, in the direction in which it found the structure weakest.
-
-    Of directions that were alike the one that is weakest now; beside it the least now, and motions that say the
-    opposite.
-    """
+    """Return what an intervention gives back, in the direction in which it found the structure weakest."""
     limit, of = summary.index_limit(results), known(results.states[name].strengthening).of
     if (least := summary.least_row(results, of)) is None:
         return Markup("")
@@ -164,6 +160,7 @@ def _strengthened(results: Results, name: str, words: Words) -> Markup:
     alike = [pair for pair in pairs if value(pair[0]) <= (1.0 + ALIKE) * weakest]
     if not alike:
         return Markup("")
+    # of directions that were alike the one that is weakest now
     before, row = min(alike, key=lambda pair: value(pair[1]))
     was, now = known(part(before)), known(part(row))
     if not (one := getattr(was, quantity)):

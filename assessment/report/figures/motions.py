@@ -126,11 +126,7 @@ def _runs(results: Results, row: dynamic.Scanned) -> Sequence[dynamic.Level]:
 
 
 def draw_ida(results: Results, words: Words, of: Sequence[Shaken]) -> Figure:
-    """Draw the IDA curves of some states: PGA over peak displacement, the same axes in all panels.
-
-    A record has its mark, +x a full line and −x a dashed one; arrows at the lowest collapse of each curve; empty marks:
-    levels withstood above it; the levels that 16, 50 and 84 % collapse at, the one that counts, and where all do.
-    """
+    """Draw the IDA curves of some states: PGA over peak displacement, the same axes in all panels."""
     panels = [[(row, _runs(results, row)) for row in each.rows] for each in of]
     curves, mm = [curve for panel in panels for curve in panel], scale("peak_displacement_m")
     records = list(dict.fromkeys(row.record for row, _ in curves))

@@ -180,10 +180,7 @@ def losses(results: Results) -> Found:
 
 @table("static_dynamic", BESIDE)
 def static_dynamic(results: Results) -> Found:
-    """Set static check, incremental analysis and campaign of each state on one reference: PGA at the surface, F_C = 1.
-
-    Losses of motions are of 50 % levels, record by record; `over_static`: over the least static capacity.
-    """
+    """Set static check, incremental analysis and campaign of each state on one reference: surface PGA, F_C = 1."""
     original = results.states.get("original")
     for name, state in results.states.items():
         moving: dict[str, Row] = {}  # of one state, the whole movement or none of it
@@ -193,7 +190,7 @@ def static_dynamic(results: Results) -> Found:
                 row: Row = {"analysis": each.analysis, "pga_surface_g": each.fit.pga_collapse_g}
                 row |= {"level_50_g": each.fit.median_g} if each.by_pga else {}
                 if each.loss is not None and each.loss.dynamic is not None and name != "original":
-                    row |= lost(each.loss, "capacity_loss")
+                    row |= lost(each.loss, "capacity_loss")  # of 50 % levels, record by record
                 moving[each.analysis] = row
         static: list[Row] = []
         for direction, capacity in state.capacity.items() if moving else ():
@@ -207,7 +204,7 @@ def static_dynamic(results: Results) -> Found:
         known = [row["pga_surface_g"] for row in static if row["pga_surface_g"] is not None]
         for row in (*static, *moving.values()):
             if known and row.get("pga_surface_g") is not None:
-                row["over_static"] = row["pga_surface_g"] / min(known)
+                row["over_static"] = row["pga_surface_g"] / min(known)  # over the least static capacity
             yield {"state": name} | row
 
 
@@ -265,10 +262,7 @@ LONGEST = 60  # characters of an identifier; they are letters and digits of ASCI
 
 
 def fragility_model(results: Results) -> bytes | None:
-    """Return a fragility model (NRML 0.5) of the states of [incremental] and the movements of the campaign, if any.
-
-    Mean median·exp(β²/2), deviation mean·√(exp β² − 1) of the measure (g), as OpenQuake; none of β above WIDEST.
-    """
+    """Return a fragility model (NRML 0.5) of the states of [incremental] and the movements of the campaign, if any."""
     functions = []
     for number, each in enumerate(shaken(results), 1):
         median, beta = each.fit.median_g, each.fit.beta
@@ -277,6 +271,7 @@ def fragility_model(results: Results) -> bytes | None:
             own = re.sub(r"\W+", "_", f"{number} {name}", flags=re.ASCII)[:LONGEST]
             measure = f"SA({each.campaign.period_s:g})" if each.campaign and not each.by_pga else "PGA"
             mean, largest = median * math.exp(0.5 * beta**2), median * math.exp(FARTHEST * beta)
+            # of the measure (g), as OpenQuake has them
             numbers = {"largest": largest, "mean": mean, "deviation": mean * math.sqrt(math.expm1(beta**2))}
             functions.append({"id": own, "measure": measure} | numbers)
     made = jinja2.Template(template("fragility.xml.j2"), autoescape=True, trim_blocks=True)

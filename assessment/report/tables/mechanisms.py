@@ -29,13 +29,11 @@ COUNTED = 10  # hinges that have a word
 
 @table("mechanisms", FOUND)
 def mechanisms(results: Results) -> Found:
-    """List the rigid mechanism of every state and direction: that of α0, and its α by the other law of friction.
-
-    `mechanism_alpha`: where the one listed is activated, if the control point takes no part in that of α0.
-    """
+    """List the rigid mechanism of every state and direction: that of α0, and its α by the other law of friction."""
     for name, direction, rigid in by_hand.mechanisms(results):
         found, other = rigid.mechanism, rigid.other_law
         row: Row = {"state": name, "direction": direction, "alpha_0": rigid.alpha_0}
+        # where the one listed is activated, if the control point takes no part in that of α0
         row |= {} if found.alpha == rigid.alpha_0 else {"mechanism_alpha": found.alpha}
         row |= {f"alpha_0_{other.sliding}": other.alpha_0} if other else {}
         yield row | {"sliding_joints": len(found.sliding_joints)}, found

@@ -186,18 +186,16 @@ def tie_demands(results: Results) -> Table:
 
 @dataclass(frozen=True)
 class EdgePressure:
-    """The greatest edge pressure of a `joint` (None: faces that met) between two blocks, and where it was found.
-
-    `direction` of the push, None at rest. Without a strength both pressures are the same.
-    """
+    """The greatest edge pressure of a `joint` (None: faces that met) between two blocks, and where it was found."""
 
     joint: int | None
     block_a: int
     block_b: int
     edge_pressure_kN_m2: Annotated[float, named("Pressione al bordo|Edge pressure", shown="MPa")]
+    # the same without a strength
     uncrushed_pressure_kN_m2: Annotated[float, named("Senza schiacciamento|Without crushing", shown="MPa")]
     state: str
-    direction: Direction | None
+    direction: Direction | None  # of the push, None at rest
     contacts: Behaviour
 
 
@@ -252,17 +250,15 @@ SAMPLES = np.linspace(0.05, 0.95, 11)  # along a line that was drawn: where its 
 
 @dataclass(frozen=True)
 class Crack:
-    """A joint of a settled state, between two blocks, that opened or slipped by more than `SEEN`.
-
-    `opening_m` of the wider end, at (x_m, z_m) there; `slip_m` has no sign; None: the faces have slid off each other.
-    """
+    """A joint of a settled state, between two blocks, that opened or slipped by more than `SEEN`."""
 
     state: str
     joint: int
     block_a: Annotated[int, named("Blocco a|Block a")]
     block_b: Annotated[int, named("Blocco b|Block b")]
-    x_m: float
+    x_m: float  # of the wider end
     z_m: float
+    # None: the faces have slid off each other; a slip has no sign
     opening_m: Annotated[float | None, named("Apertura|Opening", shown="mm", decimals=1)]
     other_opening_m: Annotated[
         float | None, named("All’altro estremo|At the other end", shown="mm", decimals=1)

@@ -71,16 +71,14 @@ def _of_study(study: Scenarios | Sensitivity | None) -> Row:
 
 
 def bars(results: Results) -> list[Bar]:
-    """Set a_g of each state with a property lower and higher beside that of the project, by swing of the three.
-
-    The capacity is that of the weaker direction, in each run anew; None where one is not known.
-    """
+    """Set a_g of each state with a property lower and higher beside that of the project, by swing of the three."""
     runs = results.sensitivity.runs if results.sensitivity else []
     found: list[Bar] = []
     for state in dict.fromkeys(run.state for run in runs):
         own = [run for run in runs if run.state == state]
         directions = dict.fromkeys(run.direction for run in own)
         checks = [quoted_check(results.states[state].capacity.get(direction)) for direction in directions]
+        # of the weaker direction, in each run anew; None where one is not known
         base = weaker(check.a_g_g if check else None for check in checks)
         of_state = []
         for name in dict.fromkeys(run.property for run in own):
