@@ -108,10 +108,7 @@ class FloorSpectrum(_OnGround):
         return np.maximum(modal, self.ground.displacement(T))[()]
 
     def largest_displacement(self, T_0: float, T: float) -> tuple[float, float]:
-        """Return the demand at T (m) and its period (s): for T > b T_1 not below the plateau's end (C8.7.1.2).
-
-        It is never below the ground's largest displacement over [T_0, T].
-        """
+        """Return the demand at T (m) and its period (s): for T > b T_1 at least the plateau's end (C8.7.1.2)."""
         candidates = [(float(self.displacement(T)), T), self.ground.largest_displacement(T_0, T)]
         if self._edge < T:
             plateau_end = float(self._modes(self.T_1)) * GRAVITY * (self._edge / (2.0 * np.pi)) ** 2
