@@ -304,7 +304,7 @@ class PushPath:
     def goes_over(self, along: bool) -> bool:
         """Return whether the control point takes part in the path, and (`along` the push alone) in what goes over."""
         since, way = self.descent, self.displacement - self.displacement[self.descent]
-        over = (way if along else abs(way))[since:].max()
+        over = way[-1] if along else abs(way[since:]).max()
         return self.takes_part(-1, self.displacement.max()) and self.takes_part(-1, over, since)
 
     def _snap_through(self) -> None:

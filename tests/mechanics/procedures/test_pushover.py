@@ -396,6 +396,24 @@ def test_a_corner_that_goes_back_as_another_block_goes_over_is_not_chosen():
     assert curve.displacement[-1] == pytest.approx(0.2, rel=0.01)
 
 
+def test_a_voussoir_that_falls_back_on_its_springing_as_the_arch_goes_over_is_not_chosen():
+    stone, angles = Material(18.0, 0.6), np.linspace(0.215, np.pi - 0.215, 8)
+    corners = np.stack(
+        [np.outer((1.0, 1.207), np.cos(angles)), np.outer((1.0, 1.207), np.sin(angles))], axis=2
+    )
+    inner, outer = corners
+    voussoirs = [
+        Block([inner[k], outer[k], outer[k + 1], inner[k + 1]], 1.0, stone) for k in range(len(inner) - 1)
+    ]
+    (near, far), side = corners[:, 0], np.array([-1.0, 1.0])
+    under = [near, near - (0.0, 0.3), (far[0] + 0.2, near[1] - 0.3), (far[0] + 0.2, far[1]), far]
+    supports = {"right": under, "left": under[::-1] * side}
+    model = Assembly([*voussoirs, *(Block(at, 1.0, stone, support=name) for name, at in supports.items())])
+    moved = pushdown(model, "left", (-0.003, -0.005), increment=0.001).final
+    curve = pushover(model, direction="-x", increment=0.01, state=moved)
+    assert curve.block != 0 and curve.displacement[-1] == pytest.approx(0.124, rel=0.01)
+
+
 @pytest.mark.parametrize("width", [0.1, 0.05, 0.02])
 def test_a_pinnacle_on_a_block_of_up_to_four_thousand_times_its_weight_turns_over(width):
     """α = tan(atan(b/h) − θ) until its centre is above its toe: the corner there has moved by h sin(atan(b/h))."""
