@@ -54,10 +54,7 @@ def _builder(template: str) -> Callable[..., Assembly]:
 
     options, name = template_options(template), template.replace("-", "_")
     first = (TEMPLATES[template].__doc__ or "").splitlines()[0]
-    told = [
-        f"    {key}: {each.description}, {each.unit}, by default {each.default}"
-        for key, each in options.items()
-    ]
+    told = [f"    {key}: {it.description}, {it.unit}, by default {it.default}" for key, it in options.items()]
     build.__doc__ = "\n".join([
         first.replace("Return", "Return the structure of the template:"), "", *told,
         "    material, depth_m: of all blocks, instead of the template's", "",

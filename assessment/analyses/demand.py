@@ -188,11 +188,9 @@ def state_indices(
     )  # fmt: skip
     if before is None:
         return made
-    zeta_before = before.indices.zeta_SLV if before.indices else None
-    required = tables.required_zeta(zeta_before, use_class)
-    return made.replace(
-        zeta_before=zeta_before, required_zeta=required, attained=tables.attained(zeta, required)
-    )
+    earlier = before.indices.zeta_SLV if before.indices else None
+    required = tables.required_zeta(earlier, use_class)
+    return made.replace(zeta_before=earlier, required_zeta=required, attained=tables.attained(zeta, required))
 
 
 def knowledge_of(knowledge: KnowledgeTable) -> parts.Knowledge:

@@ -328,21 +328,19 @@ def _solve_displacement(capacity: CapacityCurve, limit: str, spectrum: Spectrum,
     return Solved(d, a, T, a_g, base, rule.damping, governing, steps, notes)
 
 
-def _limit(
-    capacity: CapacityCurve, limit_state: str, method: Method, rule: Nonlinear
-) -> tuple[float, str, Line]:
+def _limit(capacity: CapacityCurve, limit: str, method: Method, rule: Nonlinear) -> tuple[float, str, Line]:
     """Return the displacement limit d* (m), what sets it, and its step."""
     d_0, Gamma = capacity.d_0_star, capacity.gamma_star
     if d_0 is None:
         raise CapacityError(message(
             "{limit}: d_0 is not reached: the multiplier of the rigid branch stays positive up to "
             "d* = {displacement:.4g} m; follow the pushover with rigid contacts to zero",
-            limit=limit_state, displacement=float(capacity.displacement[-1]),
+            limit=limit, displacement=float(capacity.displacement[-1]),
         ))  # fmt: skip
-    symbol = "d_u" if method.circular == "2009" else f"d_{limit_state}"
+    symbol = "d_u" if method.circular == "2009" else f"d_{limit}"
     share, law = f"{rule.share:g}*d_0_star", LAW[method.circular]
     d, governing = rule.share * d_0, f"{rule.share:.2f} d_0"
-    local, elastic = method.local_limits.get(limit_state), capacity.fit.elastic_end
+    local, elastic = method.local_limits.get(limit), capacity.fit.elastic_end
     limits = {"d_local": (local, "local limit"), "d_elastic": (elastic, "end of the elastic curve")}
     known = {name: (value, reason) for name, (value, reason) in limits.items() if value is not None}
     if not known:

@@ -213,9 +213,8 @@ def _pictured(
     told = {"configuration": configurations(model, np.array(positions)), "force_kN": force, "centre": centre}
     told["met"] = list(met.joints)
     if model.ties:
-        told["tie_kN"] = [
-            None if c is None else _rounded(tensions(model, c.forces), model.weight) for c in carried
-        ]
+        pulled = [None if c is None else tensions(model, c.forces) for c in carried]
+        told["tie_kN"] = [None if each is None else _rounded(each, model.weight) for each in pulled]
     return told
 
 
@@ -230,9 +229,8 @@ def snapshots(
     carried = [Carried(model.contacts, forces[k]) if k > 0 or forces[k].any() else None for k in kept]
     # a motion knows no forces before its first step
     found = _pictured(model, [positions[k] for k in kept], carried, Met(model))
-    return Snapshots(
-        time_s=np.round(time[kept], 6).tolist(), displacement_m=displacement[kept].tolist(), **found
-    )
+    at = np.round(time[kept], 6).tolist()
+    return Snapshots(time_s=at, displacement_m=displacement[kept].tolist(), **found)
 
 
 def chosen(count: int, most: int, wanted: Iterable[int]) -> list[int]:

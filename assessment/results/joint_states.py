@@ -244,9 +244,8 @@ def pressed(normal: Array, near: Array, length: Array, strength: Array) -> tuple
     carries = normal > 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
         partial = 3.0 * near < length
-        linear = np.where(
-            partial, 2.0 * normal / (3.0 * near), normal / length * (1.0 + 6.0 * (0.5 - near / length))
-        )
+        whole = normal / length * (1.0 + 6.0 * (0.5 - near / length))
+        linear = np.where(partial, 2.0 * normal / (3.0 * near), whole)
         block = normal / strength  # the length that would press with the full strength
         crushed = block + np.sqrt(np.maximum(6.0 * (near * block - 0.5 * block**2), 0.0))
     reach = np.minimum(np.where(linear > strength, crushed, 3.0 * near), length)

@@ -173,10 +173,8 @@ class Derived(Part):
 
 def comparison(rows: Sequence[SummaryRow]) -> list[ComparisonRow]:
     """Return settled states beside the original one, by direction; static capacities with F_C, dynamic ones without."""
-    original = {row.direction: row for row in rows if row.state == ORIGINAL}
-    pairs = [
-        (original[row.direction], row) for row in rows if row.state != ORIGINAL and row.direction in original
-    ]
+    drawn = {row.direction: row for row in rows if row.state == ORIGINAL}
+    pairs = [(drawn[row.direction], row) for row in rows if row.state != ORIGINAL and row.direction in drawn]
     return [
         ComparisonRow(
             state=now.state, direction=now.direction, limit_state=was.limit_state or now.limit_state,

@@ -306,12 +306,12 @@ def _explained(project: Project, search: MovementSearch, unknowns: fitting.Unkno
             residual=off * each.sigma, residual_in_sigma=off,
         ))  # fmt: skip
     return parts.Explanation(
-        hypothesis=unknowns.title, unknowns=n, movement=_movement(unknowns, fit, sure), chi_squared=fit.chi_squared,
-        degrees_of_freedom=freedom, probability=probability(fit.chi_squared, freedom) if freedom else None,
-        aic=fit.chi_squared + 2.0 * n, distinguished=False, undetermined=[*open_movements(unknowns, sure.open)],
-        kinked=[*kinked_components(unknowns, kinked)], at_collapse=fit.stopped, fit=rows,
+        hypothesis=unknowns.title, unknowns=n, movement=_movement(unknowns, fit, sure.error),
+        probability=probability(fit.chi_squared, freedom) if freedom else None, chi_squared=fit.chi_squared,
+        degrees_of_freedom=freedom, aic=fit.chi_squared + 2.0 * n, distinguished=False,
+        undetermined=[*open_movements(unknowns, sure.open)], kinked=[*kinked_components(unknowns, kinked)],
+        at_collapse=fit.stopped, fit=rows, configuration=best.configuration,
         contradicting=[row.measurement for row in rows if abs(row.residual_in_sigma) > CONTRADICTS],
-        configuration=best.configuration,
     )  # fmt: skip
 
 
@@ -320,11 +320,9 @@ def probability(chi_squared: float, freedom: int) -> float:
     return float(gammaincc(0.5 * freedom, 0.5 * chi_squared))
 
 
-def _movement(
-    unknowns: fitting.Unknowns, fit: fitting.Fit, sure: fitting.Sureness
-) -> list[parts.FittedMovement]:
+def _movement(unknowns: fitting.Unknowns, fit: fitting.Fit, error: Array) -> list[parts.FittedMovement]:
     """Return the movement of each support with its standard errors."""
-    errors = [float(error) if np.isfinite(error) else None for error in sure.error / unknowns.size]
+    errors = [float(each) if np.isfinite(each) else None for each in error / unknowns.size]
     keys = {"x": "x_standard_error_m", "z": "z_standard_error_m", "rotation": "rotation_standard_error_rad"}
     found = []
     for each in unknowns.movements(fit.u):

@@ -153,10 +153,8 @@ Periods = Annotated[tuple[Period, Period], Field(strict=False)]
 def entry(meaning: str, default: Any = ...) -> Any:
     """A key of a table with what it means, for the user: required, or with a default."""
     # JSON has no infinity: its schema leaves such a default out
-    told: dict[str, Any] = (
-        {"json_schema_extra": lambda schema: schema.pop("default")} if default == math.inf else {}
-    )
-    return Field(default, description=meaning, **told)
+    hidden: dict[str, Any] = {"json_schema_extra": lambda schema: schema.pop("default")}
+    return Field(default, description=meaning, **(hidden if default == math.inf else {}))
 
 
 def absent(meaning: str, **more: Any) -> Any:

@@ -15,12 +15,8 @@ SAFETY = "zeta_SLV zeta_SLC ratio_SLD T_SLV_years T_R_SLV_years I_S f_a acceptab
 RISK = "IS_V IS_V_class PAM PAM_class risk_class"
 HEADLINES = ("zeta_SLV", "acceptable_nominal_life_years", "IS_V", "risk_class")
 CHECKS = f"state direction limit_state {VERIFICATION.replace('return', '?return')} reduction mechanism"
-GIVEN = (
-    "mechanism state direction moving_weight_kN alpha_0_given alpha_0_limit ratio e_star a_0_star_g refused"
-)
-ACTIVATED = (
-    "state direction limit_state mechanism alpha_onset e_star a_0_star_g demand_a_star_g ratio verified"
-)
+OWN = "mechanism state direction moving_weight_kN alpha_0_given alpha_0_limit ratio e_star a_0_star_g refused"
+ACTIVE = "state direction limit_state mechanism alpha_onset e_star a_0_star_g demand_a_star_g ratio verified"
 ACTION = "kind return_period_years a_g_g pga_g F0 Tc_star_s soil topography S T_B_s T_C_s T_D_s"
 
 
@@ -104,7 +100,7 @@ def action(results: Results) -> Found:
         yield row
 
 
-@table("chosen_mechanisms", GIVEN)
+@table("chosen_mechanisms", OWN)
 def chosen_mechanisms(results: Results) -> Found:
     """List the mechanisms that the user chose beside limit analysis; refused ones with the reason."""
     for given in results.mechanisms or []:
@@ -122,7 +118,7 @@ def chosen_checks(results: Results) -> Found:
             yield where | present(cells(check, VERIFICATION.split()))
 
 
-@table("linear_checks", ACTIVATED)
+@table("linear_checks", ACTIVE)
 def linear_checks(results: Results) -> Found:
     """List linear checks of what is activated first, found and chosen: a_0* against a_g S/q, or a_Z/q at height."""
     activated: list[tuple[str, Direction, str, Capacity | GivenMechanism]] = []

@@ -116,9 +116,8 @@ def key(meaning: str, label: str = "", *, alias: str | None = None, **look: Any)
 
 def optional(meaning: str, label: str = "", *, alias: str | None = None, **look: Any) -> Any:
     """Describe a key that is there only where it was asked for, or where it has a meaning; as `key`."""
-    return pydantic.Field(
-        default=None, description=meaning, alias=alias, json_schema_extra=named(label, **look)
-    )
+    told = named(label, **look)
+    return pydantic.Field(default=None, description=meaning, alias=alias, json_schema_extra=told)
 
 
 def present(found: Mapping[Name, Value | None]) -> dict[Name, Value]:
