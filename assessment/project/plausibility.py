@@ -31,9 +31,7 @@ HEAVIEST_TIE = 2000.0  # kN: more than anchorages in masonry bear
 STEEL = 2.1e8  # kN/m²: modulus of elasticity
 YIELDS = (1e5, 1.5e6)  # kN/m²: from wrought iron of poor quality to prestressing bars
 BARS = (2e-5, 0.02)  # m²: sections, of a bar of 5 mm to one of 160 mm
-Told = tuple[str, Message]
-"""A key and its warning."""
-
+Told = tuple[str, Message]  # a key and its warning
 UNITS = (("kg/m³", GRAVITY / 1e3), ("N/m³", 1e-3), ("t/m³", GRAVITY))  # of weight or mass, in kN/m³
 
 
@@ -47,9 +45,12 @@ def implausible(project: Project, model: Assembly) -> list[Message]:
         found += _movement(f"settlements[{number}]", settlement, size)
     for number, tie in enumerate(project.tie, 1):
         found += _tie(f"tie[{number}]", tie)
+    for point in project.control:
+        on = [str(block) for block in model.blocks_at(point.point_m) if model.movable[block]]
+        text = message("on blocks {on}: it moves with the first; write a point inside one", on=", ".join(on))
+        found += [(f"control.{point.name}.point_m", text)] * (len(on) > 1)
     assessment = project.assessment
-    crushes = bool(np.isfinite(model.contacts.strength).all())
-    if assessment and assessment.confidence_factor < LC1 and not crushes:
+    if assessment and assessment.confidence_factor < LC1 and np.isinf(model.contacts.strength).any():
         found.append(("assessment.confidence_factor", message(
             "{factor:g} is below {least:g}, which Circolare 7/2019, C8.7.1.2, asks for where compressive strength is "
             "left out, as here; write {meant}, or give compressive_strength_kN_m2 (motions then need elastic contacts)",
@@ -92,9 +93,8 @@ def _sizes(project: Project, size: float) -> Iterator[Told]:
             'with "{own}" the structure is {size:.3g} m large; write the unit of the drawing',
             own=project.geometry.unit, size=size,
         )  # fmt: skip
-    depths = {"geometry": project.geometry.depth_m}
-    depths |= {name: part.depth_m for name, part in project.parts.items() if part.depth_m}
-    for table, depth in depths.items():
+    depths = {name: part.depth_m or 0.0 for name, part in project.parts.items()}
+    for table, depth in {"geometry": project.geometry.depth_m, **depths}.items():
         if depth > DEEPEST:
             yield f"{table}.depth_m", message(
                 "{size:g} m out of plane; write {meant} if mm were meant",

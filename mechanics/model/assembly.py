@@ -370,24 +370,24 @@ class Assembly:
         """Return the state in which an analysis starts, None: as drawn. Raises ArgumentError if it has other blocks."""
         if state is None:
             return self.initial
-        require(
-            isinstance(state, State), "state", type(state).__name__, "a State, such as .final of a pushdown"
-        )
+        require(isinstance(state, State), "state", type(state).__name__, "a State, as .final of a pushdown")
         shape = self.initial.positions.shape
         require(state.positions.shape == shape, "state", state.positions.shape, f"of this assembly: {shape}")
         require(bool(np.isfinite(state.positions).all()), "state", "positions", "finite")
         return state
 
     def block_at(self, point: ArrayLike, name: str = "control") -> int:
-        """Return the block that contains a drawn point (2,) m called `name`, edges included; ArgumentError if none."""
-        at = point_of(name, point)
-        distance = shapely.distance(polygons_of(self.blocks), shapely.Point(at))
-        # on a shared edge the movable block
-        distance += np.where(self.movable, 0.0, 0.5 * self.joint_tolerance)
-        nearest = int(np.argmin(distance))
-        must_be = f"in or on a block (the nearest one is {distance[nearest]:.4g} m away)"
-        require(distance[nearest] <= self.joint_tolerance, name, tuple(at.tolist()), must_be)
-        return nearest
+        """Return the first block that contains a drawn point (2,) m called `name`, as blocks_at."""
+        return int(self.blocks_at(point, name)[0])
+
+    def blocks_at(self, point: ArrayLike, name: str = "control") -> Index:
+        """Return the blocks that contain a drawn point (2,) m called `name`, edges included; ArgumentError if none."""
+        distance = shapely.distance(polygons_of(self.blocks), shapely.Point(at := point_of(name, point)))
+        distance += np.where(self.movable, 0.0, 0.5 * self.joint_tolerance)  # supports after them
+        order = np.argsort(distance, kind="stable")
+        must_be = f"in or on a block (the nearest one is {distance.min():.4g} m away)"
+        require(distance.min() <= self.joint_tolerance, name, tuple(at.tolist()), must_be)
+        return order[distance[order] <= self.joint_tolerance]
 
     def point_displacement(self, point: ArrayLike, block: int, positions: Array) -> Array:
         """Return the displacement (…, 2), m, of a drawn point (2,) m of a block at positions (…, b, 3)."""

@@ -1,5 +1,6 @@
 """Values that are allowed and hardly meant, of records too: the key, and what was probably meant."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -94,6 +95,20 @@ def test_what_was_probably_meant_is_said(tmp_path, case, text, old, new, said):
     warning, *others = warned(folder)
     assert warning.startswith("project.toml: ") and said in warning
     assert len(others) == ("ag_g = 2.56" in new)  # SLC is then below SLV
+
+
+def test_a_control_point_on_a_corner_of_two_blocks_is_told(tmp_path):
+    """It moves with the one that is drawn first: d_0 of a portal was 216 or 65 mm by their order."""
+    folder = Path(shutil.copytree(ROOT / "projects" / "tuff_panel", tmp_path / "panel"))
+    model = build_model(load_project(folder)).assembly
+    corners, times = np.unique(
+        np.concatenate([block.polygon for block in model.blocks]), axis=0, return_counts=True
+    )
+    corner = corners[times.argmax()].tolist()
+    edit(folder, "point_m = [-0.1, 0.65]", f"point_m = {corner}")
+    on = [str(block) for block in model.blocks_at(corner)]
+    (told,) = (text for text in warned(folder) if "control." in text)
+    assert len(on) > 1 and f"on blocks {', '.join(on)}: it moves with the first" in told
 
 
 def test_infinite_inputs_are_echoed_as_they_are_written(project):
