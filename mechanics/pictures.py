@@ -188,7 +188,7 @@ def nice(value: float) -> float:
 def magnification(shape: Shape, configuration: Any) -> float:
     """Return a round factor that makes the largest displacement of a configuration (b, 3) `SHOWN` of the size."""
     travel = float(np.abs(shape.moved(configuration).points - shape.points).max()) / shape.size
-    return nice(max(1.0, SHOWN / travel)) if travel > 1e-7 else 1.0  # less is an error of paths, no movement
+    return nice(max(1.0, SHOWN / travel)) if travel > 1e-7 else 1.0  # less is rounding
 
 
 def swept_by(shape: Shape, velocity: Array) -> float:

@@ -236,7 +236,10 @@ def _elastic_end(elastic: ElasticPush | None) -> float | None:
 def _vertical(
     model: Assembly, capacity: oscillator.CapacityCurve, linear: parts.Check | None, demands: Mapping[str, Spectrum]
 ) -> parts.VerticalCheck | None:  # fmt: skip
-    """Return the linear check at SLV with the vertical component (§7.2.2); None where α0 is no share of the weights."""
+    """Return the linear check at SLV with the vertical component where a_g ≥ 0.15 g (NTC 2018, §7.2.2), else None.
+
+    None too with loads without mass or joints that crush: strength is then not proportional to the weights.
+    """
     ground = ground_of(demands["SLV"]) if linear is not None else None
     massive = all(block.load_has_mass or block.vertical_load == 0.0 for block in model.blocks)
     proportional = massive and not model.crushes

@@ -38,10 +38,10 @@ UNALIKE = 1e-12  # covariance of shares and levels over that of the levels: belo
 
 @dataclass(frozen=True)
 class Observed:
-    """What the levels of one record show: the levels of PROBABILITIES, and β of the probit, 0: no band was met."""
+    """What the levels (g) of one record show: `probable` of PROBABILITIES; `beta` of the probit, 0: no band met."""
 
     safe: float  # largest level that stands below the lowest collapse, 0: none
-    lowest: float | None = None  # collapse, None: none
+    lowest: float | None = None  # level that collapses, None: none
     probable: tuple[float, float, float] | None = None
     beta: float = 0.0
     capacity: float | None = None
@@ -95,7 +95,10 @@ def _gap(levels: Sequence[float]) -> tuple[float, float] | None:
 
 
 class Standard(NamedTuple):
-    """Mean and lowest PGA at collapse of records (g), None: undecided; which counts by the `rule`, None: too few."""
+    """Mean and lowest PGA at collapse of some records (g), None: undecided, and which of them counts by the `rule`.
+
+    A rule of None: fewer records than §7.3.5 asks for.
+    """
 
     mean: float | None
     lowest: float | None
@@ -136,7 +139,10 @@ class RecordLevel:
 
 @dataclass(frozen=True)
 class Dispersion:
-    """Median and β, of records and within; 95 % ranges, and bounds of the levels of BAND: none of too few records."""
+    """Median (g) and β of a fragility, β of the records and within them; 95 % ranges, None of fewer than ENOUGH.
+
+    `band`: of the probabilities of BAND the 95 % bounds of the level at which they are reached; none without ranges.
+    """
 
     median: float
     beta: float
@@ -201,7 +207,10 @@ class Lognormal(NamedTuple):
 
 
 def samples_of_records(records: Sequence[str]) -> Array | None:
-    """Return weights (s, n) of SAMPLES samples of `records` (n,), those of one together; None: fewer than ENOUGH."""
+    """Return weights (s, n) of SAMPLES samples with replacement, from a fixed seed; None of fewer than ENOUGH.
+
+    `records` (n,): of each observation; those of one stay together, being no independent ones.
+    """
     names = list(dict.fromkeys(records))
     if (count := len(names)) < ENOUGH:
         return None
@@ -210,7 +219,10 @@ def samples_of_records(records: Sequence[str]) -> Array | None:
 
 
 def fit_levels(level: Array, withstood: Mask, weights: Array) -> Lognormal:
-    """Fit levels (n,) of collapse; those `withstood` are lower bounds: by expectation-maximisation if there are any."""
+    """Fit levels (n,) of collapse by maximum likelihood, those `withstood` being lower bounds (right-censored).
+
+    Without lower bounds mean and root mean square of the logarithms, with them by expectation-maximisation.
+    """
     x = np.log(level)
     total, fell = weights.sum(axis=1), weights @ (~withstood).astype(float)
     with np.errstate(all="ignore"):

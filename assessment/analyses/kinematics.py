@@ -30,7 +30,10 @@ _SUMS = (  # symbol, unit, term of a macro-block
 
 @dataclass(frozen=True)
 class VirtualWork:
-    """Works (kN·m) of weights `dead`, `lateral`, of `ties`; `moving` weight (kN), `second`: Σ P δ_x²; their steps."""
+    """Works (kN·m) of the weights `dead`, of them laid over towards +x `lateral`, of ties that yield; their steps.
+
+    `moving`: seismic weight that moves, kN; `second`: Σ P δ_x², kN·m².
+    """
 
     dead: float
     lateral: float

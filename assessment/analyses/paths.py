@@ -1,4 +1,7 @@
-"""Movements of supports; what every path tells: certificate, warnings, local loss (C8.7.1.2)."""
+"""Movements of supports, and what every path of equilibria tells: certificate, warnings, local loss.
+
+A local loss (C8.7.1.2) is a joint that carries and whose faces part.
+"""
 
 import time
 from collections.abc import Iterator, Sequence

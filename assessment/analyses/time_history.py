@@ -34,7 +34,7 @@ ENERGIES = tuple(name.removesuffix("_kNm") for name in EnergyBalance.model_field
 
 @dataclass(frozen=True)
 class Setting:
-    """How motions are integrated; `ultimate` (m): control displacement of no static capacity, None: not known."""
+    """How motions are integrated; `ultimate` (m): where the static capacity vanishes, None: not known."""
 
     table: MotionTable
     control: ControlTable

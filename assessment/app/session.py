@@ -40,12 +40,12 @@ class ConflictError(Exception):
 
 
 def digest_of(content: bytes) -> str:
-    """Return by which a page knows a version of the project file."""
+    """Return the digest by which a page knows a version of the project file."""
     return hashlib.sha256(content).hexdigest()[:16]
 
 
 def model_tag(project: Project) -> str:
-    """Return by which a page knows a drawing with all that a run reads beside it, of files as far as all are there."""
+    """Return the digest by which a page knows a drawing and all that a run reads; without files where one is missing."""
     with suppress(OSError, ValueError):
         return tags_of(spelt(project.echoed()), project.digests())["numbers"]
     return tags_of(spelt(project.echoed()), {})["numbers"]

@@ -33,7 +33,10 @@ PRINTING = (  # that only products depend on
 
 
 def fingerprint(function: Callable[..., Any], arguments: tuple[Any, ...]) -> str:
-    """Return a digest of function, arguments and program: equal ones, equal bits. Raises TypeError without content."""
+    """Return a digest of a function, its arguments and the program: equal digests, equal results to the last bit.
+
+    Raises TypeError for an argument whose content has no digest.
+    """
     name = f"{function.__module__}.{function.__qualname__}"
     return digest([program(), name, [_content(each) for each in arguments]])
 

@@ -19,7 +19,10 @@ OUTPUT = "standard output"  # as a message names it
 
 
 def prepare() -> None:
-    """Have both streams open, or what libraries print may go to the next file; UTF-8, on a terminal its letters."""
+    """Have both streams open: files and pipes get UTF-8, a terminal a question mark for each letter that it lacks.
+
+    Of a closed one the number would fall to the next file that is opened, and what libraries print would go there.
+    """
     while (spare := os.open(os.devnull, os.O_RDWR)) <= 2:
         os.set_inheritable(spare, True)
     os.close(spare)
@@ -81,7 +84,10 @@ _came = threading.Event()
 
 
 def watch(message: str, code: int, last: Callable[[], object] = lambda: None) -> None:
-    """End the process at an interruption, GRACE after KeyboardInterrupt, which C may swallow; `last` comes first."""
+    """From now on an interruption ends the process, after GRACE if KeyboardInterrupt has not; `last` is called first.
+
+    A callback from C swallows that exception, and a library in C does not see it: the signal handler wakes a thread.
+    """
     for name in ASKED:
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) != signal.SIG_IGN:  # nohup wants SIGHUP ignored

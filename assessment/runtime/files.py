@@ -116,7 +116,10 @@ SUFFIXES = (".png", ".jpg", ".jpeg")
 
 
 def read_picture(path: Path) -> Image.Image:
-    """Return a whole PNG or JPEG, which Pillow alone would guess or take truncated. Raises ValueError that says why."""
+    """Return a whole PNG or JPEG. Raises ValueError that says why it is none.
+
+    Pillow by itself guesses the format, runs Ghostscript on PostScript, and takes truncated pictures beside WeasyPrint.
+    """
     from PIL import Image, ImageFile, UnidentifiedImageError
 
     before = ImageFile.LOAD_TRUNCATED_IMAGES

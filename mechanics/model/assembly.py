@@ -377,13 +377,13 @@ class Assembly:
         return state
 
     def block_at(self, point: ArrayLike, name: str = "control") -> int:
-        """Return the first block that contains a drawn point (2,) m called `name`, as blocks_at."""
+        """Return the first of `blocks_at` of a drawn point (2,) m called `name`; raises ArgumentError likewise."""
         return int(self.blocks_at(point, name)[0])
 
     def blocks_at(self, point: ArrayLike, name: str = "control") -> Index:
-        """Return the blocks that contain a drawn point (2,) m called `name`, edges included; ArgumentError if none."""
+        """Return the blocks (n,) that contain a drawn point (2,) m called `name`, or touch it; ArgumentError if none."""
         distance = shapely.distance(polygons_of(self.blocks), shapely.Point(at := point_of(name, point)))
-        distance += np.where(self.movable, 0.0, 0.5 * self.joint_tolerance)  # supports after them
+        distance += np.where(self.movable, 0.0, 0.5 * self.joint_tolerance)  # a support comes last
         order = np.argsort(distance, kind="stable")
         must_be = f"in or on a block (the nearest one is {distance.min():.4g} m away)"
         require(distance.min() <= self.joint_tolerance, name, tuple(at.tolist()), must_be)

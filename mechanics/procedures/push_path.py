@@ -287,22 +287,22 @@ class PushPath:
         return last
 
     def _overturns(self) -> bool:
-        """Return whether the structure falls at α = 0, wherever it rests: no loose block or hinge that closes alone."""
+        """Whether α = 0 is a fall, wherever it rests: as drawn, and the control point moves (else a loose block fell)."""
         return self.drawn and self.takes_part(-1, self.far)
 
     def takes_part(self, point: int, displacement: float, since: int = 0) -> bool:
-        """Return whether the control point takes part in what moves between two points if it goes that far (m)."""
+        """Whether a control point that goes so far (m) takes part in what moves between two points of the path."""
         one, two = (self.points[k].step.state.positions for k in (since, point))
         return displacement >= self.tolerances.still * float(abs(two - one)[:, :2].max())
 
     @property
     def descent(self) -> int:
-        """The point from which a rigid curve comes down to its end; the first of another, and of one that does not."""
+        """Index of the point from which a rigid curve comes down to its end; 0: elastic, or it does not come down."""
         above = np.flatnonzero(self.multiplier >= self.tolerances.spent * self.largest)[-1]
         return int(above) if self.system.rigid and above < len(self.points) - 1 else 0
 
     def goes_over(self, along: bool) -> bool:
-        """Return whether the control point takes part in the path, and (`along` the push alone) in what goes over."""
+        """Whether the control point takes part in the path and in what goes over; `along`: in the push's direction."""
         since, way = self.descent, self.displacement - self.displacement[self.descent]
         over = way[-1] if along else abs(way[since:]).max()
         return self.takes_part(-1, self.displacement.max()) and self.takes_part(-1, over, since)
@@ -330,7 +330,7 @@ class PushPath:
         return rested if self.along(rested.state.positions) > farthest_back else None
 
     def _go_on_from(self, held: Equilibrium, jumped: bool = True) -> bool:
-        """Add the onset of a push where released blocks rest, if they `jumped` there too; False if none moves them."""
+        """Add the onset of a push where released blocks rest; `jumped`: or fell there. False if no push moves them."""
         try:
             start = self._start(held.state)
             sound(start.step)

@@ -185,7 +185,7 @@ def _first_to_move(system: StaticSystem, direction: Direction, state: State | No
 
 
 def _result(curve: PushPath, along: bool = False) -> Pushover:
-    """Return the curve; raise ControlError if the control point takes no part in it, `along` the push to the end."""
+    """Return the curve; raise ControlError if its control point takes no part (see PushPath.goes_over)."""
     assert curve.end is not None
     alone = len(curve.points) == 1
     if alone and curve.endless:

@@ -68,7 +68,7 @@ def motion_to_rest(problem: StepProblem, begun: Array, tolerances: RestTolerance
         found = _step_from_rest(replace(now, mass=mass), at, last, near, shorter)
         if found is None:
             time, failed = max(0.5 * time, tolerances.first), failed + 1
-            grows = step + failed + 1
+            grows = step + failed + 1  # after as many steps as have failed
             continue
         last, moved, solves = found, found.at, solves + found.solves
         left, far = way(at, moved, model.size), way(begun, moved, model.size)

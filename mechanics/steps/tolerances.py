@@ -72,9 +72,9 @@ class RestTolerances:
     beyond which a block runs away (1 rad counts as 1): a block that leaves its seat or topples has collapsed, even if
     it comes to rest where it falls. `steps`: largest number of steps. `jump`: times the intended motion of a step, a
     longer one is a jump, or another solution of a program that is not convex; `faster`: times the way to which the last
-    step leads, of a support or of a motion, likewise; `growth`: factor from one time step to the next, at most,
-    after a step that has failed not before as many have been taken; `steady`: share of the unbalanced force half-way
-    that is left at the end of a motion that does not slow down.
+    step leads, of a support or of a motion, likewise; `growth`: factor from one time step to the next, at most;
+    after the n-th step that fails the time grows no sooner than n steps later; `steady`: share of the unbalanced force
+    half-way that is left at the end of a motion that does not slow down.
     """
 
     rigid: float = 1e-7
