@@ -76,7 +76,10 @@ def __getattr__(name: str) -> Callable[..., Assembly]:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class IncrementalCurve:
-    """Levels (k,), PGA in g, of a record, and `peaks` (k,) m of the control point, NaN where it `collapsed` (k,)."""
+    """The levels (k,), PGA in g, at which a record was run, in their order.
+
+    `peaks` (k,) m: largest displacement of the control point, NaN where the structure `collapsed` (k,).
+    """
 
     record: str
     levels: Array
@@ -85,7 +88,10 @@ class IncrementalCurve:
 
     @property
     def collapse(self) -> float | None:
-        """The lowest level (g) with a collapse, None: none; bands between two levels are missed (0.57 below 0.73 g)."""
+        """The lowest of the `levels` (g) at which the structure collapses; None: at none.
+
+        Collapse comes in bands: a narrow one below, between two levels, is missed (seen: 0.57 g below 0.73 g).
+        """
         return float(self.levels[self.collapsed].min()) if self.collapsed.any() else None
 
     @property
@@ -145,7 +151,10 @@ def incremental(
 
 
 def fragility(curves: Iterable[IncrementalCurve]) -> Dispersion | None:
-    """Return median and β of the PGA at collapse over records, by maximum likelihood; withstood ones are bounds."""
+    """Return median and β of the PGA at collapse over records, by maximum likelihood; None where none collapses.
+
+    A record that is withstood at all of its levels counts as one that collapses above the highest.
+    """
     return over_records(
         [RecordLevel(each.record, each.collapse or each.safe, each.collapse is None, 0.0) for each in curves]
     )

@@ -224,7 +224,10 @@ def activation_of(
 
 
 def _elastic_end(elastic: ElasticPush | None) -> float | None:
-    """Return the displacement (m) where the elastic curve ends, decided or not; None if it was cut beyond its peak."""
+    """Return the displacement (m) at which the elastic curve ends; None if it was cut beyond its peak.
+
+    An end that is not decided limits as a loss of equilibrium does: no equilibrium is known beyond it.
+    """
     if elastic is None:
         return None
     multiplier = elastic.curve.multiplier
@@ -271,15 +274,19 @@ def way_of_blocks(rigid: RigidPush, gamma_star: float, direction: Direction) -> 
 
 
 def rigid_branch(rigid: RigidPush, way: Way) -> Curve:
-    """Return the rigid curve from the mechanism on, over growing d*/Γ* (m), no higher than α0."""
+    """Return the rigid curve from where the mechanism forms on, over growing d*/Γ* (m), no higher than α0.
+
+    If equilibrium is lost before α = 0, the capacity vanishes there: the branch ends with a vertical drop at d_0. The
+    last multiplier of a curve that reaches zero is none.
+    """
     multiplier = np.minimum(rigid.curve.multiplier, rigid.alpha_0)
     if rigid.reached_zero:
-        multiplier[-1] = 0.0  # the last multiplier is none
+        multiplier[-1] = 0.0
     formed = rigid.mechanism.point
     d, alpha = way.equivalent[formed:], multiplier[formed:]
     grows = np.concatenate([[True], d[1:] > np.maximum.accumulate(d)[:-1]])
     d, alpha = d[grows], alpha[grows]
-    if rigid.lost:  # before α = 0: the curve ends with a vertical drop
+    if rigid.lost:
         d, alpha = np.append(d, d[-1] * (1.0 + 1e-9) + 1e-15), np.append(alpha, 0.0)
     return d, alpha
 
@@ -310,7 +317,10 @@ def with_loss(method: Method, loss: LocalLoss | None) -> Method:
 
 
 def checks_of(curve: oscillator.CapacityCurve, checks: Mapping[str, parts.Check]) -> dict[str, parts.Check]:
-    """Return checks by name, without the steps of the curve; linear ones with α and e* of what is activated first."""
+    """Return the checks of a capacity curve by their names, their traces without the steps of the curve.
+
+    Linear ones have α and e* of what is activated first.
+    """
     common = len(curve.steps())
     linear = {"alpha_0": curve.activation.alpha, "e_star": curve.activation.e_star}
     return {

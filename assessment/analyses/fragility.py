@@ -175,7 +175,10 @@ def over_records(levels: Sequence[RecordLevel]) -> Dispersion | None:
 
 
 def over_stripes(levels: Sequence[float], shares: Array, records: Sequence[str]) -> Dispersion | None:
-    """Return the fragility of `shares` (n, k) of motions of `records` (n,) that fall at k levels; None: no median."""
+    """Return the fragility of the `shares` (n, k) of motions of the `records` (n,) that collapse at k levels.
+
+    None where they determine no median. The β is that of the records: within one of them it is not told apart.
+    """
 
     def fitted(weights: Array) -> tuple[Array, ...]:
         fit = fit_stripes(np.array(levels), shares, weights)

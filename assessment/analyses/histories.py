@@ -127,7 +127,10 @@ def _run(inputs: time_history.MotionInputs, wanted: Sequence[tuple["HistoryStudy
 
 @dataclass(frozen=True)
 class Refinement:
-    """Peaks at time steps h, h/2, h/4…: `values` (m), None: collapse; `scatter` of each; below `least` none."""
+    """The peak displacement at time steps h, h/2, h/4…: `values` (m), None for a collapse, and `scatter` of each level.
+
+    `least`: a value that is none.
+    """
 
     values: tuple[float | None, ...]
     scatter: tuple[float, ...]

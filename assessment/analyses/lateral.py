@@ -164,7 +164,10 @@ MEETS = 0.01  # of α0: a curve as drawn whose onset is lower by more rises wher
 
 @dataclass(frozen=True)
 class PushSetting:
-    """How a state is pushed over, in steps of `increment` (m); elastic curves `until` that share of their peak."""
+    """How a state is pushed over: behaviour and friction law of the joints, step of the control point (`increment`, m).
+
+    `until`: share of the peak of an elastic curve at which it is followed no further.
+    """
 
     behaviour: Behaviour
     sliding: Sliding
@@ -184,7 +187,10 @@ def push(
     model: mechanics.Assembly, name: str, state: mechanics.State | None, setting: PushSetting,
     directions: tuple[Direction, ...], controls: tuple[ControlTable, ...],
 ) -> list[Found[Pushed]]:  # fmt: skip
-    """Push the state of that name over (None: as drawn); where curves are mirror images the second one is reflected."""
+    """Push the state of that name over (None: as drawn), by its control point or, if that takes no part, one that does.
+
+    A second direction is the mirror image of the first, and so is its curve: model and control points are each other's.
+    """
     behaviour, parts = setting.behaviour, []
     followed: tuple[ControlTable, procedures.Pushover] | None = None
     for direction, control in zip(directions, controls, strict=True):
@@ -311,8 +317,12 @@ def _rigid_notes(curve: static.RigidPush, path: procedures.Pushover) -> Iterator
 
 
 def rests_or_moves(model: mechanics.Assembly, name: str, start: mechanics.State) -> Found[float]:
-    """Return the larger ratio of associative to Coulomb's multiplier of both directions, and warn of a large one."""
-    found = Found(1.0)  # between the two rigid joints may move or rest; a motion rests wherever it can
+    """Return the largest ratio of the associative to Coulomb's multiplier of both directions, and warn of a large one.
+
+    Rigid joints may move from Coulomb's multiplier on. Up to the associative one they may also rest, for forces within
+    their bounds exist that balance; a motion rests wherever it can.
+    """
+    found = Found(1.0)
     for direction in get_args(Direction):
         with suppress(*paths.NO_ANSWER):
             moves = mechanics.limit_analysis(model, direction, start, "coulomb").alpha
@@ -330,7 +340,10 @@ def rests_or_moves(model: mechanics.Assembly, name: str, start: mechanics.State)
 def second_solver(
     model: mechanics.Assembly, name: str, direction: Direction, activated: mechanics.State, alpha_0: float
 ) -> Found[static.SecondSolver]:
-    """Compare the associative multipliers of two programs in the state `activated`; nothing where joints crush."""
+    """Compare the associative multipliers of two programs in the state `activated`; `alpha_0`: of the curve there.
+
+    With Coulomb's law no linear program has the multiplier. Nothing is `found` where joints crush.
+    """
     began = time.perf_counter()
     found = Found[static.SecondSolver]()
     title = pushover_title(name, direction, "rigid")
@@ -360,7 +373,11 @@ def second_solver(
 
 
 def with_control(project: Project, model: mechanics.Assembly) -> tuple[Project, list[Message]]:
-    """Return the project with a control point for each direction that needs one and has none, and which these are."""
+    """Return the project with a control point for each direction where it needs one and has none, and which these are.
+
+    It is the corner that goes farthest along the push in the first mechanism of the structure as drawn, `model`: the
+    same in every state, so that their displacements can be compared.
+    """
     needed = project.pushover or project.history or project.incremental or project.campaign
     if project.control or not needed:
         return project, []
@@ -373,7 +390,6 @@ def with_control(project: Project, model: mechanics.Assembly) -> tuple[Project, 
         with suppress(*paths.NO_ANSWER):
             limit = mechanics.limit_analysis(model, direction, sliding=project.contacts.sliding)
             moved = begun + 1e-6 * model.size * limit.mechanism
-        # the same corner in every state, to compare them
         (x, z), block = procedures.farthest_corner(model, begun, moved, direction)
         name = CHOSEN[project.report.language].format(direction=direction)
         points.append(ControlTable(name=name, point_m=(float(x), float(z))))

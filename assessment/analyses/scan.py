@@ -138,7 +138,11 @@ def scan(
 def scan_levels(
     peak: Callable[[float], float], pga: float, reach: Reach, near: float | None = None, also: Sequence[float] = ()
 ) -> None:  # fmt: skip
-    """Ask for the `peak` (m; ∞: collapse) at levels (g) about the lowest collapse, and around those of `also` (g)."""
+    """Ask for the `peak` displacement (m) at levels (g) near the lowest collapse; `pga` (g): of the record.
+
+    The peak of a collapse is ∞. `also` (g): levels that are run, and around which collapse is looked
+    for as well.
+    """
     lattice = _Lattice(peak, pga, reach)
     # outwards from the level expected: upwards until one falls, or downwards until one stands
     place, stride = lattice.nearest(near or pga), 1
@@ -203,7 +207,10 @@ class _Lattice:
         return [place for place in self.peaks if self.falls(place) is fell]
 
     def suspected(self) -> float | None:
-        """Return the place below all runs where the level that counts is there, else where a collapse is likeliest."""
+        """Return the place where a lower collapse is to be looked for next; None: nowhere.
+
+        It is below all that were run where the level that counts is there, else where one is most likely to hide.
+        """
         lowest, levels = math.floor(min(self.peaks)), [self.level(place) for place in self.peaks]
         counts = observed(levels, [self.falls(place) for place in self.peaks]).capacity
         if counts is not None and counts < self.level(min(self.peaks)) and lowest > self.bottom:

@@ -23,7 +23,10 @@ PAST_PEAK = 0.25  # of the peak of an elastic curve
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """A state under one behaviour (settlement None: as drawn), a `member` of its ensemble; `what`: of which study."""
+    """One state (settlement None: as drawn) under one behaviour; `what` distinguishes it from others of that name.
+
+    `member`: its number in the ensemble of the state, 1: the run itself.
+    """
 
     project: Project
     model: StateModel
@@ -257,7 +260,10 @@ def _reached(movement: Found[Settled] | None) -> State | None:
 def _not_back(
     movement: Movement, followed: Found[Settled], found: Mapping[Movement, Found[Settled]], sliding: Sliding
 ) -> list[Message]:
-    """Return what does not come back where all supports are where they were, as drawn (sunk) or after a movement."""
+    """Return what does not come back where all supports are where they were, as drawn or after an earlier movement.
+
+    As drawn elastic joints have sunk under gravity.
+    """
     (model, path, behaviour), reached = movement, _reached(followed)
     places = [
         (message("after {state}", state=path[count - 1].name), state)

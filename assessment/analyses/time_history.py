@@ -34,7 +34,10 @@ ENERGIES = tuple(name.removesuffix("_kNm") for name in EnergyBalance.model_field
 
 @dataclass(frozen=True)
 class Setting:
-    """How motions are integrated; `ultimate` (m): where the static capacity vanishes, None: not known."""
+    """How motions are integrated: the keys that [[history]] and [incremental] share.
+
+    `ultimate` (m): control displacement at which the static capacity vanishes, None where it is not known.
+    """
 
     table: MotionTable
     control: ControlTable

@@ -81,7 +81,10 @@ def _outlined(outlines: tuple[Outline, ...]) -> dict[str, Any]:
 
 
 def repair_picture(folder: Path, apply: bool) -> dict[str, Any]:
-    """Return what a repair of the drawing changes, a line each; `apply`: the name of its copy too, which is written."""
+    """Return what a repair of the drawing changes, a line each, and the name of the repaired copy.
+
+    The copy is written where `apply` says so. Raises ProjectError or DrawingError as `with_repaired_drawing`.
+    """
     project, _ = survey_project(folder)
     if apply:
         repaired, changes = with_repaired_drawing(project)
@@ -168,7 +171,11 @@ def attachment_picture(path: Path) -> dict[str, Any]:
 
 
 def begin_project(folder: Path, drawing: Path, given: dict[str, Any]) -> None:
-    """Make a project of a drawing; `given`: title, unit, depth_m, unit_weight_kN_m3, language. Raises ProjectError."""
+    """Make a project of a drawing in a new folder, with what is proposed for it.
+
+    `given`: title, unit, depth_m, unit_weight_kN_m3, language. Raises ProjectError where one is wrong, or the folder is
+    there.
+    """
     own = {
         "title": given["title"],
         "geometry": {"drawing": drawing.name, "unit": given["unit"], "depth_m": given["depth_m"]},

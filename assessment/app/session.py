@@ -45,7 +45,7 @@ def digest_of(content: bytes) -> str:
 
 
 def model_tag(project: Project) -> str:
-    """Return the digest by which a page knows a drawing and all that a run reads; without files where one is missing."""
+    """Return the digest by which a page knows a drawing and all that a run reads; of files as far as all are there."""
     with suppress(OSError, ValueError):
         return tags_of(spelt(project.echoed()), project.digests())["numbers"]
     return tags_of(spelt(project.echoed()), {})["numbers"]
@@ -199,7 +199,10 @@ SAID = 2000  # letters of what a command that failed has said
 
 
 class Runs:
-    """The run in the output folder of a project; `log`: what a command says is wrong, off a disk that may be full."""
+    """The run in the output folder of a project, whoever has started it; `log`: where a command says what is wrong.
+
+    The log is not in the project, whose disk may be full.
+    """
 
     def __init__(self, folder: Path, log: Path) -> None:
         self.folder, self.output, self.log = folder, folder / "output", log

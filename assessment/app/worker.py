@@ -172,7 +172,10 @@ class Live:
 
 
 def followed(follow: Following) -> dict[str, Any]:
-    """Return where a support has led the structure, m, rad, kN: displacements (b, 3), `hinges` (h, 2) that opened."""
+    """Return where a support that is led has taken the structure, m, rad and kN.
+
+    `positions` (b, 3): displacements of the blocks; `hinges` (h, 2): where a joint that has opened presses on its edge.
+    """
     import numpy as np
 
     from assessment.app.pictures import bilingual

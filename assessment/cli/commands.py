@@ -61,7 +61,10 @@ def run(options: argparse.Namespace) -> int:
 
 
 def check(options: argparse.Namespace) -> int:
-    """Validate everything, print model and warnings, draw the model; `--repair`: first write a repaired drawing."""
+    """Read and validate everything, draw the model, print its summary and every warning; no analysis.
+
+    With `--repair` first write a repaired drawing beside the project's, list every change, and check that one.
+    """
     from assessment.project.model import with_repaired_drawing
     from assessment.project.motions import described
     from assessment.project.project import load_project

@@ -295,7 +295,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _carry_out(options: argparse.Namespace) -> int:
-    """Return the exit code of a command. Raises KeyboardInterrupt for any error of an interruption, ValueError."""
+    """Return the exit code of a command. Raises KeyboardInterrupt where a library made an error of an interruption.
+
+    Raises ValueError where the folder that the command is given in is gone: relative paths mean nothing.
+    """
     try:
         Path.cwd()
     except OSError:

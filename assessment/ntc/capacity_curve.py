@@ -425,7 +425,11 @@ def capacity_curve(
     fit: CurveFit, e_star: float, gamma_star: float, confidence_factor: float = 1.0,
     confidence_source: str = CONFIDENCE_FACTOR, activation: Activation | None = None,
 ) -> CapacityCurve:  # fmt: skip
-    """Return the curve d* = d Γ*, a* = α/(e* F_C); `activation`: default α0 of the fit. Raises ValueError naming it."""
+    """Return the capacity curve d* = d Γ*, a* = α/(e* F_C): the confidence factor divides once, here.
+
+    `confidence_source`: the paragraph that F_C follows from; `activation`: default, the curve's own mechanism at α0.
+    Raises ValueError naming the argument.
+    """
     activation, F_C = activation or Activation(fit.alpha_0, e_star, fit.source), confidence_factor
     for name, share in (("e_star", e_star), ("activation.e_star", activation.e_star)):
         require(is_between(share, 0.0, 1.0 + 1e-9, "(]"), name, share, "above 0 and at most 1")

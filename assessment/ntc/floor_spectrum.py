@@ -29,7 +29,10 @@ _LAW_2009 = "Circolare 617/2009, C8A.4.2.3"
 
 @dataclass(frozen=True, slots=True)
 class Mode:
-    """A mode of the building: period (s), γ_k, shape ψ_k at the mechanism, damping. Raises ArgumentError."""
+    """A mode of the building: period (s), participation γ_k, shape ψ_k at the mechanism's height, damping.
+
+    Raises ArgumentError naming the field.
+    """
 
     period: float
     gamma: float
@@ -108,7 +111,11 @@ class FloorSpectrum(_OnGround):
         return np.maximum(modal, self.ground.displacement(T))[()]
 
     def largest_displacement(self, T_0: float, T: float) -> tuple[float, float]:
-        """Return the demand at T (m) and its period (s): for T > b T_1 at least the plateau's end (C8.7.1.2)."""
+        """Return the demand at T (m) and the period (s) where it is.
+
+        Circolare 7/2019, C8.7.1.2: for T > b T_1 not below the modes' S_eZ(T_1) b² T_1²/4π², the plateau's end; and
+        never below the ground's largest displacement over [T_0, T].
+        """
         candidates = [(float(self.displacement(T)), T), self.ground.largest_displacement(T_0, T)]
         if self._edge < T:
             plateau_end = float(self._modes(self.T_1)) * GRAVITY * (self._edge / (2.0 * np.pi)) ** 2

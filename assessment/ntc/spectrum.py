@@ -184,7 +184,10 @@ class ElasticSpectrum:
 
 @dataclass(frozen=True, eq=False)
 class RecordSpectrum:
-    """Response spectrum of a record, `acceleration_g` (n,) in g at steps of `time_step` (s). Raises ValueError."""
+    """Elastic response spectrum of a record: `acceleration_g` (n,) in g at steps of `time_step` (s).
+
+    The ordinates are those of `mechanics.records.response_spectrum`. Raises ValueError naming the argument.
+    """
 
     acceleration_g: ArrayLike
     time_step: float

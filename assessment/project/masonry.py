@@ -27,7 +27,10 @@ MATERIAL = {key: key.partition("_kN")[0] for key in MaterialTable.model_fields}
 
 
 def as_built(project: Project, drawing: Drawing) -> Drawing:
-    """Return the drawing with bonds cut and regions put on blocks by centroid. Raises ProjectError for wrong ones."""
+    """Return the drawing with its bonds cut and with what regions say of the blocks whose centroids lie in them.
+
+    Raises ProjectError for a region that is no outline or holds no block, and for a bond as `running`.
+    """
     if not project.region and not any(each.bond for each in project.layers.values()):
         return drawing
     keys = [f"{project.source}: region.{region.name}.outline_m" for region in project.region]

@@ -120,7 +120,10 @@ UNSEEN = "gaps, and blocks that touch nothing, are looked for once these are men
 
 @dataclass(frozen=True, eq=False)
 class ProjectModel:
-    """Blocks and joints as drawn, the assembly of every state, warnings; `cracks`: surveyed lines (n, 2), m."""
+    """The blocks and joints of a project as drawn, the assembly of every state by name, warnings about the drawing.
+
+    `cracks`: lines (n, 2), m, that the drawing has of a survey.
+    """
 
     assembly: Assembly
     states: Mapping[str, StateModel]

@@ -143,7 +143,10 @@ def _pruned(value: Any, levels: int = 3) -> Any:
 
 
 def matches(folder: Path, pattern: str) -> list[Path]:
-    """Return the sorted files of a name or pattern in `folder`. Raises ValueError for `**` and too many of either."""
+    """Return the files in `folder` that match a name, or a pattern such as "records/*.acc", sorted.
+
+    Raises ValueError for `**`, patterns in more than two parts, whose search may never end, and too many files.
+    """
     if _is_file(folder / pattern):
         return [folder / pattern]
     if "**" in pattern:

@@ -62,7 +62,10 @@ LAST = 200  # row of a list down to which cells have a drop-down list
 
 
 def read_sheets(path: Path) -> tuple[dict[str, Rows], dict[str, Rows]]:
-    """Return the rows of every sheet with values, with formulas. Raises ProjectError if damaged or large, OSError."""
+    """Return the rows of every sheet with values of formulas, and with formulas.
+
+    Raises ProjectError if damaged or too large, OSError if there is no such file.
+    """
     from openpyxl import load_workbook
 
     with path.open("rb") as file:
@@ -108,7 +111,10 @@ def _rows(sheet: Any, path: Path) -> Rows:
 
 
 def read_xlsx(path: Path) -> tuple[dict[str, Any], dict[schema.KeyPath, str], list[str]]:
-    """Return the content, where each value stands, and what is wrong, unchecked. Raises ProjectError."""
+    """Return the unchecked content of a spreadsheet, where each value stands, and what is wrong.
+
+    Raises ProjectError.
+    """
     rows, formulas = read_sheets(path)
     faults = [
         f'{path.name}: sheet "{name}", cell {place}: a formula whose value is not stored; '
@@ -185,7 +191,10 @@ def _is_active(rows: Rows) -> bool | str:
 
 
 def to_xlsx(content: Mapping[str, Any], marked: Collection[schema.KeyPath] = ()) -> bytes:
-    """Return a spreadsheet that explains all keys, those `marked` to be filled in; absent tables have ACTIVE no."""
+    """Return a project's content as a spreadsheet that explains its keys, those `marked` as to be filled in.
+
+    Keys that the content leaves out have an empty cell, tables that it leaves out the row ACTIVE with no.
+    """
     from openpyxl import Workbook
     from openpyxl.comments import Comment
 

@@ -48,7 +48,10 @@ def write_page(results: Results, folder: Path, edited: Markup | None = None) -> 
 
 
 def write_pdf(results: Results, folder: Path, edited: Markup | None = None) -> list[str]:
-    """Write report.pdf as `write_page` the HTML; return a warning, with the command, where libraries are missing."""
+    """Write report.pdf into `folder` as `write_page` does report.html; return warnings.
+
+    Without WeasyPrint's system libraries nothing is written, and the warning holds the command that installs them.
+    """
     words = words_of(results)
     try:
         weasyprint = load_weasyprint()
@@ -151,7 +154,10 @@ class Said:
 
 @dataclass(frozen=True)
 class Embedded:
-    """A picture of the page: its `file` (of figures the PNG), caption, and content (the SVG) as a data address."""
+    """A picture of the page: its `file` in the output folder, its caption, and its content as a data address.
+
+    Of a figure the file is the PNG, the content the SVG; as images apart from the page their ids cannot clash.
+    """
 
     file: str
     caption: str
@@ -210,7 +216,10 @@ def _kind(name: str) -> str:
 
 
 def write_tables(results: Results, folder: Path) -> None:
-    """Write tables that have rows as CSV (UTF-8), and fragilities as NRML; no text is a formula of spreadsheets."""
+    """Write every table that has rows as CSV (comma, point, UTF-8) into the folder, and fragilities as NRML.
+
+    A text that a spreadsheet would take for a formula, names as well as +x, has an apostrophe in front.
+    """
     if model := fragility_model(results):
         write_atomically(folder / "fragility.xml", model)
     for each in tables(results):

@@ -40,7 +40,10 @@ SPACES = re.compile(r"[ \t\r\n]+")  # those of HTML: a blank between a number an
 
 
 def to_docx(page: str, folder: Path) -> bytes:
-    """Return the HTML `page` as a .docx file; `folder`: where the pictures are that figures name in `data-file`."""
+    """Return the report as the bytes of a .docx file.
+
+    `page`: its HTML; `folder`: where the PNG or JPEG files are that figures name in their `data-file`.
+    """
     root = html.document_fromstring(page, parser=html.HTMLParser(huge_tree=True))
     document: Any = Document()
     styles = template("docx_styles.xml")

@@ -44,7 +44,10 @@ class _Shown:
 
 @dataclass(frozen=True)
 class Words:
-    """Strings of strings.toml in a language, and numbers; `reference`: where a_g is, on rock or at the surface."""
+    """Strings of `templates/strings.toml` in a language, found by dotted keys; numbers with its decimal mark.
+
+    `reference`: where the a_g of the checks is, on rock or at the surface.
+    """
 
     language: str
     strings: Mapping[str, Any]
@@ -77,7 +80,10 @@ class Words:
         return {name: x if isinstance(x, Markup) else _Shown(self, name, x) for name, x in values.items()}
 
     def told(self, quantity: str, value: object) -> str:
-        """Write a value of a quantity, or of a unit, with the unit, on one line; a text is written already."""
+        """Write a value of a quantity of the results, or of a unit, with it: no line parts them.
+
+        A text is a number that is written already; what is less than a micrometre is rounding.
+        """
         found, text = QUANTITIES.get(quantity), self.show(value)
         if found and value is None:
             return self.plain(f"value.{found.null or 'not_reached'}")
@@ -88,7 +94,10 @@ class Words:
         return f"{text}{NO_BREAK}{unit}" if unit else text
 
     def name(self, table: str, name: str, default: str | None = None) -> str:
-        """Return what a name is called in a table of the strings, else the default or itself. Raises KeyError."""
+        """Return what a name of the program is called in a table of the strings; where it has none, the default or it.
+
+        Raises KeyError for a table that is not there.
+        """
         return str(self.strings[table].get(name, name if default is None else default))
 
     def show(self, value: object) -> str:

@@ -84,7 +84,10 @@ def _path(
     results: Results, words: Words, title: str, along: tuple[str, Sequence[float]], y_label: str,
     curves: Mapping[str, Sequence[float]], kept: Frames | Snapshots, ties: dict[str, Any],
 ) -> dict[str, Any]:  # fmt: skip
-    """Return a path of the page: kind and place, curves by label along a quantity, to the digits seen, its frames."""
+    """Return a path of the page: its curves along a quantity, with the digits that can be seen, and its frames.
+
+    `title`: a kind of path, and where it is; `curves`: values by label.
+    """
     kind, place = title.split(": ", 1)
     name, values = along
     x, ys = _short(_shown(name, values)), {each: _short(y) for each, y in curves.items()}
@@ -103,7 +106,10 @@ def _path(
 
 
 def _jumps(state: StateResults, direction: Direction, reach: float) -> Iterator[dict[str, Any]]:
-    """Yield control displacements (mm, along x) at the d* of the limit states that a path of this reach has."""
+    """Yield the control displacements (mm, along x) at the d* of the limit states that a path of this reach has.
+
+    The rigid activation has none: that of SLO and SLD is the end of the elastic branch, where the curve has one.
+    """
     capacity, pushed = state.capacity.get(direction), state.pushover.get(direction)
     rigid = pushed.rigid if pushed else None
     if not capacity or not rigid or not rigid.d_star_m:
@@ -149,7 +155,10 @@ def _drawn(results: Results, kept: Frames | Snapshots) -> dict[str, Any]:
 def _ties(
     results: Results, state: str, kept: Frames | Snapshots, along: Sequence[TieTension] | None = None
 ) -> dict[str, Any]:
-    """Return the ties of a state, and their tension (kN) at each frame; None: not known, or not `along` the path."""
+    """Which ties are in a state, by their places in the list of all, and their tension (kN) at each frame.
+
+    None where it is not known, or nowhere determined `along` the path.
+    """
     every = list(results.model.ties or ())
     own = ties_of(results, state)
     unknown = {each.tie for each in along or () if each.greatest_kN is None}

@@ -43,7 +43,10 @@ class Carried:
 
 
 def carried_along(path: Path) -> list[Carried | None]:
-    """Return what joints carry at each point of a path, None: not known; where a mechanism forms by limit analysis."""
+    """Return what joints carry at each point of a path; None: not known, as a rigid curve begins without a step.
+
+    Where a mechanism forms it is what limit analysis has there.
+    """
     steps = [Carried(step.contacts, step.forces) for step in path.steps]
     found = [*[None] * (len(path.states) - len(steps)), *steps]
     if isinstance(path, mechanics.Pushover):
@@ -59,7 +62,11 @@ def normal_forces(path: Path) -> Array:
 
 
 def along_path(path: Path, peak: int, rigid: bool) -> list[TieTension] | None:
-    """Return the tension of each tie along a path and at its `peak`, a point of it; None where there is no tie."""
+    """Return the tension of each tie along a path and at its `peak`, a point of it; None where there is no tie.
+
+    With `rigid` joints it is known where it is determined, and not at rest. With elastic ones the greatest is no less
+    than the pretension, under which the tie is set.
+    """
     model, carried = path.model, carried_along(path)
     if not model.ties:
         return None
@@ -90,7 +97,11 @@ def along_path(path: Path, peak: int, rigid: bool) -> list[TieTension] | None:
 
 
 def determined(model: Assembly, moved: Sequence[Array]) -> Mask:
-    """Return in which motions (k, b, 3) the tension of each tie (k, t) is determined with rigid joints."""
+    """Return in which motions (k, b, 3) the tension of each tie (k, t) is determined with rigid joints.
+
+    It is where the two blocks of a tie move against each other: the hinges of a mechanism leave no self-stress. Between
+    blocks that rest, or move as one, a tie and the joints beside it bear any self-stress that they can.
+    """
     found = np.zeros((len(moved), len(model.ties)), dtype=bool)
     start = np.reshape([model.from_origin(tie.points[0]) for tie in model.ties], (-1, 2))
     length, owner = np.array([tie.taut_length for tie in model.ties]), model.tie_blocks
@@ -106,7 +117,11 @@ def determined(model: Assembly, moved: Sequence[Array]) -> Mask:
 def while_shaken(
     model: Assembly, time: Array, forces: Array, final: State, rigid: bool
 ) -> list[ShakenTie] | None:
-    """Return the greatest tension of ties at times (k,) s, None: no tie; of drawn `forces` (k, j, 3), kN and kNm."""
+    """Return the greatest tension of each tie in a motion, None where there is no tie.
+
+    `time` (k,) s; `forces` (k, j, 3) kN and kNm of the drawn contacts, ties among them; `final`: the state at the end.
+    With `rigid` joints the tension is not determined, and a tie that has lengthened has yielded.
+    """
     if not model.ties:
         return None
     longer = np.zeros(len(model.ties)) if final.lengthened is None else final.lengthened

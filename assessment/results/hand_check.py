@@ -27,7 +27,10 @@ FIGURES = 4  # significant figures that the reader is given, and that the check 
 
 @dataclass(frozen=True)
 class HandCheck:
-    """Multipliers of a mechanism: of the program, by virtual work over blocks, and macro-blocks; deviations from it."""
+    """Multipliers of a mechanism: of the program, by virtual work over all blocks and over macro-blocks as printed.
+
+    Deviations are relative to the program's.
+    """
 
     state: str
     direction: Direction
@@ -127,7 +130,10 @@ def _groups(results: Results, state: str, direction: Direction) -> tuple[list[li
 
 
 def takers(results: Results, state: str, direction: Direction) -> list[tuple[str, float]]:
-    """Return ties that yield in a mechanism, and friction, with their work (kNm), scaled and rounded as printed."""
+    """Return ties that yield in a mechanism and friction with the work (kNm) they take, as printed.
+
+    It is scaled as that of the macro-blocks, and of figures rounded to those of the check.
+    """
     rigid = rigid_push(results, state, direction)
     rate, at = np.asarray(rigid.mechanism.displacements, dtype=float), rigid.mechanism_configuration
     longer = zip(ties_of(results, state), lengthening(results, state, at, rate).tolist(), strict=True)

@@ -31,7 +31,10 @@ CONDITIONS = ("whole", "partial", "edge", "sliding", "idle")
 
 
 def described(model: Assembly, contacts: Contacts) -> list[Face]:
-    """Describe pairs of faces (m, as drawn): start and end along the common direction, middles slips count from."""
+    """Describe pairs of faces (m, as drawn): of either block start and end along the common direction, and a middle.
+
+    The `middle_m` of each face are the points from which slips count; of drawn joints they are one.
+    """
     depth = np.array([block.depth for block in model.blocks])
     lines = face_lines(contacts, model.as_drawn(model.initial.positions[:, :2]))
     found = []
@@ -57,7 +60,10 @@ class Met:
         self.joints: list[Face] = []
 
     def numbers(self, contacts: Contacts, wanted: Mask) -> Index:
-        """Return the number (j,) of contacts among drawn joints and pairs that met (`wanted` (j,)), else −1."""
+        """Return the number (j,) of each of the contacts among drawn joints and met pairs; −1 of others, and of ties.
+
+        `wanted` (j,): which pairs count as met.
+        """
         found = np.full(len(contacts), -1, dtype=np.intp)
         found[: self.drawn] = np.arange(self.drawn)
         for k in np.flatnonzero(wanted[self.later :]) + self.later:

@@ -281,7 +281,11 @@ def told_of(found: Identification) -> list[Explanation]:
 
 
 def fits(best: Explanation) -> bool:
-    """Return whether a movement explains the measurements: its χ² is probable, and no measurement contradicts it."""
+    """Return whether a movement explains the measurements.
+
+    It does not where its χ² is improbable, where a measurement contradicts it, and where as many unknowns as
+    measurements leave a χ² above that of one measurement off by three standard deviations.
+    """
     unlikely = best.probability is not None and best.probability < UNLIKELY
     # with as many unknowns as measurements χ² is at most that of one measurement off by three standard deviations
     unmet = not best.degrees_of_freedom and (best.chi_squared or 0.0) > UNMET

@@ -35,7 +35,10 @@ def reduction(original: float | None, settled: float | None) -> float | None:
 
 @cache
 def columns_of(row: type) -> tuple[str, ...]:
-    """Return the columns of a class of rows: its fields, of a part those with a label, no lists; and enter them."""
+    """Return the columns of a table whose rows are of a class: its fields, of a part those with a label; no lists.
+
+    The quantities that a dataclass describes are entered.
+    """
     if issubclass(row, Part):
         described = row.model_fields.items()
         return tuple(name for name, each in described if name in QUANTITIES and plain_value(each.annotation))
@@ -89,7 +92,10 @@ def reference_of(results: Results) -> str:
 
 
 def indices(ratios: Mapping[str, float]) -> dict[str, float]:
-    """Return the ratios by check that are ζ_E (§8.3), at SLV and SLC: linear where the nonlinear one has no number."""
+    """Return those of the ratios of a direction, by check, that are an index ζ_E (NTC 2018, §8.3): at SLV and SLC.
+
+    The linear check at SLV is an alternative to the nonlinear one, and replaces it where that one has no number.
+    """
     found = {name: ratio for name, ratio in ratios.items() if name.partition(" ")[0] in INDEXED}
     if "SLV" in found:
         found.pop("SLV linear", None)
@@ -172,7 +178,10 @@ class Derived(Part):
 
 
 def comparison(rows: Sequence[SummaryRow]) -> list[ComparisonRow]:
-    """Return settled states beside the original one, by direction; static capacities with F_C, dynamic ones without."""
+    """Return a row for each settled state and direction beside that of the original state, from those of the summary.
+
+    The static capacity has F_C; the dynamic one has none, and is compared with the static one without it.
+    """
     drawn = {row.direction: row for row in rows if row.state == ORIGINAL}
     pairs = [(drawn[row.direction], row) for row in rows if row.state != ORIGINAL and row.direction in drawn]
     return [

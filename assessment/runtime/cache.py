@@ -122,7 +122,10 @@ def packed(result: Any) -> str:
 
 
 def unpacked(text: str, kind: Any) -> Any:
-    """Return what `packed` was given, of type `kind`. Raises ValueError, KeyError or RecursionError: no such value."""
+    """Return what `packed` was given, of the annotated type `kind`.
+
+    Raises ValueError (pydantic's ValidationError is one), KeyError or RecursionError where the text is no such value.
+    """
     found = _reader(kind).validate_python([json.loads(text, object_hook=_restored)])[0]
     if found == []:  # of several analyses in one there is a result of each
         raise ValueError("no result")

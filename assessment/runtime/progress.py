@@ -101,7 +101,10 @@ class RunRecord:
 
 
 class Show:
-    """Shows how far the stages of a run are: bars on a console, the journal of a folder, `every` so many s."""
+    """Shows how far the stages of a run are: as bars on a console, and in the journal of a folder, where it has them.
+
+    `every` (s): between two writes to the journal, beside those where a stage begins or ends.
+    """
 
     def __init__(self, console: Console | None = None, every: float = 1.0) -> None:
         self.bars = _bars(console) if console else None

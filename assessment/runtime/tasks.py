@@ -34,7 +34,10 @@ class From:
 
 @dataclass
 class _Stage:
-    """Tasks of a `function`, results `known`; `weights` of those that are left, `worked` of those finished."""
+    """The tasks of a stage, each an application of `function`; the results `known` of them; how far it is, to `show`.
+
+    `weights`: about how long each analysis that is not finished takes, by its number; `worked`: of those finished.
+    """
 
     function: Callable[..., Any]
     tasks: Sequence[tuple[Any, ...]]

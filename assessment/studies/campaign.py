@@ -90,7 +90,10 @@ def compatibility(
 
 @dataclass(frozen=True, eq=False)
 class Moved(Place):
-    """A share of a movement; `static_capacity`: PGA at the surface (g), α without a check, of the weaker direction."""
+    """A share of a movement, and its largest component.
+
+    `static_capacity`: PGA at the surface (g) of the check, or α where there is none, of the weaker direction.
+    """
 
     settlement: str
     share: float
@@ -146,7 +149,10 @@ def moved_states(statics: variants.Statics, study: variants.Study) -> list[Moved
 
 
 def _beside(project: Project, table: CampaignTable) -> Project:
-    """Return the project whose static capacity stands beside a campaign with rigid joints: without elastic curves."""
+    """Return the project whose static capacity stands beside the campaign's: of rigid joints without elastic curves.
+
+    Soft joints may lose most of what a movement leaves to rigid ones: the two losses would be of different structures.
+    """
     if project.pushover is None or table.contacts != "rigid" or "rigid" not in project.pushover.contacts:
         return project
     changed: dict[str, object] = {"pushover": project.pushover.model_copy(update={"contacts": ("rigid",)})}

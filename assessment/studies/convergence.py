@@ -46,7 +46,10 @@ def estimated_error(values: Sequence[float | None]) -> float | None:
 
 @dataclass(frozen=True)
 class Levels:
-    """Quantities `measured` (None: not reached) at increments h, h/2, h/4…; below NOISE of `size` (m) they are 0."""
+    """Quantities `measured` at each level: with the given increments, halved, halved again… (None: not reached).
+
+    `size` (m): of the model; lengths below NOISE times it count as 0. The result is the finest level.
+    """
 
     size: float
     measured: tuple[Measured, ...]
@@ -80,7 +83,10 @@ class Levels:
         return {key: None if error is None else error / values[key] for key, error in self.errors.items()}
 
     def within(self, tolerance: float) -> bool:
-        """Whether errors are known and within the tolerance, of LEVELS levels; of two that agree like path ends."""
+        """Whether every error is known and meets the tolerance, of LEVELS levels at least.
+
+        Two are enough where they agree as well as ends of paths are located: such a path knows no increments.
+        """
         if not self.reached:
             return True
         bound = tolerance if len(self.measured) >= LEVELS else min(tolerance, LOCATED)
@@ -103,7 +109,10 @@ class Levels:
 
 @dataclass
 class Converged:
-    """Finest stages of every state, `halvings` behind them, `rows` of results.json, warnings of tolerances not met."""
+    """The finest stages of every state, and `halvings` of its increments behind them.
+
+    `rows` of results.json; `warnings`: where the tolerance was not met.
+    """
 
     stages: list[StateResult]
     halvings: dict[str, int] = field(default_factory=dict)

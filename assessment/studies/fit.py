@@ -26,7 +26,10 @@ TOGETHER = 3  # unknowns that a direction of the search moves at once; where the
 
 @dataclass(frozen=True)
 class Unknowns:
-    """Unknown components (support, component), u (n,) m, arcs at the `lever` (m); `downward_only`: z not positive."""
+    """The unknown components (support, component) of a hypothesis; `lever` (m): the arc of a rotation of 1 rad.
+
+    Their values u (n,) are lengths, m: of a rotation the arc at the lever. `downward_only`: z is not positive.
+    """
 
     components: tuple[tuple[str, str], ...]
     lever: float

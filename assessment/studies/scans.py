@@ -74,7 +74,11 @@ def asked_for(
     project: Project, table: MotionTable, drawn: Assembly, places: Iterable[Place], motions: Sequence[BaseMotion],
     signs: Sequence[int], reach: Reach, ratio: Mapping[str, float],
 ) -> list[Asked]:  # fmt: skip
-    """Return every record with every sign from every state, one sign where `drawn` is its own mirror image."""
+    """Return every record with every sign from every state.
+
+    A scan begins at the level found for the same record and sign at the state before on its path, else for the record's
+    first sign, else the first record. Where the structure as `drawn` is its own mirror image one sign of it is run.
+    """
     control, mirror = project.control_point(table.control), Mirror.of(drawn, table.contacts)
     symmetric = mirror is not None and mirror.swaps(control.point_m, control.point_m)
     integrated = MotionTable(**{key: getattr(table, key) for key in MotionTable.model_fields})
@@ -98,7 +102,10 @@ def asked_for(
 
 @dataclass
 class Scans:
-    """Scans by key and halvings of the step, run once; `counts`: halvings that count, None: the finest."""
+    """Scans of a run by key and by how often the time step is halved; what is there is not run again.
+
+    `counts`: halvings of the step that counts, where finer ones were run only to look at it; None: the finest counts.
+    """
 
     project: Project
     workers: Workers

@@ -130,7 +130,10 @@ class Searches:
         return rows
 
     def fragility(self, kind: type[Fit], state: Place, rows: Sequence[dynamic.Scanned]) -> Fit:
-        """Return the fragility of a state from its `rows`, by the measure, with §7.3.5; of one record no scatter."""
+        """Return the fragility of a state from its `rows`, of the measure, and what NTC 2018 §7.3.5 takes of them.
+
+        Of one record that collapses there is a level of 50 % and no scatter; of few records no ranges and no rule.
+        """
         done = [(each, row) for each, row in zip(self.of(state), rows, strict=True) if row.reason is None]
         levels = [  # of 50 %; lower bounds where none collapses
             fragility.RecordLevel(row.record, level, row.level_50_g is None, row.beta or 0.0)
@@ -156,7 +159,10 @@ class Searches:
         )  # fmt: skip
 
     def loss(self, state: Place, base: Place | None) -> dynamic.Loss:
-        """Return the loss 1 − after/before of a state, of both signs; where one gains, of the one that loses."""
+        """Return the loss of capacity 1 − after/before of a state against its `base`, if there is one.
+
+        Of both signs of the records together; where one loses and the other gains by their ranges, that of the former.
+        """
         pairs = list(zip(self.of(base), self.of(state), strict=True)) if base else []
         loss = self._loss_of(pairs)
         if state is base:
@@ -264,7 +270,10 @@ def worse_signs(rows: Iterable[dynamic.Scanned]) -> dict[str, dynamic.Scanned]:
 
 
 def standard_of(rows: Iterable[dynamic.Scanned]) -> fragility.Standard:
-    """Return the value by NTC 2018 §7.3.5 of records with their worse sign; one not completed decides nothing."""
+    """Return the value by NTC 2018 §7.3.5: each record with its worse sign; mean of seven or more, else the lowest.
+
+    A record of which a sign was not completed decides nothing.
+    """
     ends = ((row.pga_collapse_g, row.pga_safe_g) for row in worse_signs(rows).values())
     return fragility.standard_value(list(ends))
 

@@ -29,7 +29,10 @@ from mechanics.procedures import whole_movement
 
 @dataclass(frozen=True, eq=False)
 class Statics:
-    """What studies start from: project, states as in results.json, results behind; `halvings` of their increments."""
+    """What studies start from: the project, and each state as results.json has it, with the results behind it.
+
+    `halvings`: how often the increments of each state were halved; the studies of a state halve theirs as often.
+    """
 
     project: Project
     models: Mapping[str, StateModel]
@@ -104,7 +107,11 @@ def capacities_of(
     project: Project, stages: Collection[StateResult], pushovers: Mapping[Direction, Pushovers],
     checked: Mapping[Direction, Capacity],
 ) -> dict[Direction, studies.Capacities]:  # fmt: skip
-    """Return the capacity of one state for a study, by direction; null: asked for, but not reached."""
+    """Return the capacity of one state for a study, by direction; null: asked for, but not reached.
+
+    `collapses`: under one of the contact behaviours the structure falls before the whole movement is applied;
+    a_g and ζ_E are of the farthest limit state.
+    """
     contacts, limit = project.pushed_contacts, quoted_limit_state(project) or ""
     found: dict[Direction, studies.Capacities] = {}
     for direction in directions(project):
@@ -141,7 +148,10 @@ def asks_for_scenarios(project: Project) -> bool:
 
 
 def scenarios(statics: Statics, study: Study) -> studies.Scenarios:
-    """Return the capacity of every state and part of a swept movement, in its increments, and the worst point."""
+    """Return the capacity of every state, and of each part of a movement with a sweep, in the order of the scenarios.
+
+    With the quantity that they are compared by and the worst point. Parts have the increments of the whole movement.
+    """
     project, models = statics.project, statics.models
     variants = {
         (whole.name, k): variant(
@@ -187,7 +197,10 @@ def part(whole: SettlementTable, share: float) -> SettlementTable:
 
 
 def worst(points: Sequence[studies.ScenarioPoint], by: str) -> studies.ScenarioPoint | None:
-    """Return the settled point of least capacity `by`, or of the fallen ones the shortest movement; None: unknown."""
+    """Return the settled point with the lowest capacity; if some collapse, the one with the shortest movement.
+
+    `by`: the quantity that capacities are compared by. None where no settled point has a capacity.
+    """
     settled = [point for point in points if point.state != ORIGINAL]
     fallen = [point for point in settled if point.collapses]
     if fallen:
@@ -237,7 +250,11 @@ def sensitivity(statics: Statics, study: Study) -> studies.Sensitivity:
 
 
 def without_effect(project: Project) -> set[str]:
-    """Return properties of no effect: depth without loads or ties, unit weight where joints are rigid, do not crush."""
+    """Return the properties to which all forces are proportional, so that no capacity depends on them.
+
+    The depth is one unless loads, or ties, are given in kN; the unit weight is one if joints neither are elastic nor
+    crush.
+    """
     loads = any(part.vertical_load_kN or part.variable_load_kN for part in project.parts.values())
     if loads or project.tie:
         return set()

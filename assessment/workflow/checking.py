@@ -171,7 +171,10 @@ class Motions:
 
 @dataclass(frozen=True, eq=False)
 class Checked:
-    """A project that a run would accept, with all read, empty results, `notes` on files, `warnings` of all checks."""
+    """A project that a run would accept, with model, records, demand, empty results, and `notes` on the files.
+
+    `results.model.self_weight_stable`: whether it stands as drawn; `warnings`: of all that was checked.
+    """
 
     project: Project
     model: ProjectModel
@@ -191,7 +194,10 @@ def read_motions(project: Project) -> Motions:
 
 
 def read_inputs(project: Project, model: ProjectModel) -> Checked:
-    """Read every file of a run, choose control points. Raises ProjectError, RecordError, ValueError or OSError."""
+    """Read every file that a run reads, and choose the control points; self-weight is not looked at.
+
+    Raises ProjectError, RecordError or ValueError naming file and key, OSError for a file that cannot be read.
+    """
     project, chosen = with_control(project, model.assembly)
     motions = read_motions(project)
     demands = demand_spectra(project, motions.history) if project.assessment else Demands()
@@ -200,7 +206,10 @@ def read_inputs(project: Project, model: ProjectModel) -> Checked:
 
 
 def checked(project: Project, model: ProjectModel | None = None) -> Checked:
-    """Read and refuse what a run would, of `model` where built. Raises as `read_inputs`, and FaultyDrawingError."""
+    """Read every file that a run reads, and refuse what it would refuse; `model`: where it is built already.
+
+    Raises as `read_inputs`, and FaultyDrawingError with all faults of a drawing that is no assembly.
+    """
     found = read_inputs(project, model := model or build_model(project))
     results, refused = found.results, refused_as_drawn(project, model.states[ORIGINAL])
     if unstable := stand(model.assembly):

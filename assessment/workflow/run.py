@@ -159,7 +159,10 @@ def _version(path: Path) -> tuple[int, int] | None:
 
 
 def select(project: Project, only: Iterable[str] | None) -> Project:
-    """Return the project with some of its stages, and what these need. Raises ProjectError for none of them."""
+    """Return the project with only some of its stages, and what these need.
+
+    Raises ProjectError for a stage that does not exist, or where the project has none of them.
+    """
     if only is None:
         return project
     wanted = list(only)
@@ -227,7 +230,10 @@ def carry_out(
 
 
 def print_again(project: Project, folder: Path) -> list[str]:
-    """Render all from stored results, the title page of the project; return warnings. Raises ValueError, BusyError."""
+    """Render everything again from the results in `folder`, with the title page of the project; return warnings.
+
+    Raises ValueError for results that are missing or cannot be printed (damaged, of another version), BusyError.
+    """
     from assessment.report.chapters.judgement import told
     from assessment.results.schema import read_results
     from mechanics.messages import message

@@ -270,7 +270,10 @@ def _add_dynamics(draft: Draft, stages: Iterable[StateResult], scans: Scans) -> 
 
 
 def _add_studies(draft: Draft, statics: Statics, scans: Scans) -> None:
-    """Fit, compare, vary and run the campaign, each where asked for. Raises ProjectError without a model."""
+    """Fit, compare, vary and run the campaign, each where asked for.
+
+    Raises ProjectError for a property without a model.
+    """
     project, workers, settling = draft.project, scans.workers, draft.models[ORIGINAL].settling
     made: tuple[tuple[str, object, Callable[[Study], Any]], ...] = (  # what asks for each
         ("identification", project.identification, partial(identification, project, settling, workers)),

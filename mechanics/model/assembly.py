@@ -381,7 +381,7 @@ class Assembly:
         return int(self.blocks_at(point, name)[0])
 
     def blocks_at(self, point: ArrayLike, name: str = "control") -> Index:
-        """Return the blocks (n,) that contain a drawn point (2,) m called `name`, or touch it; ArgumentError if none."""
+        """Return the blocks (n,) that contain or touch a drawn point (2,) m called `name`; ArgumentError if none."""
         distance = shapely.distance(polygons_of(self.blocks), shapely.Point(at := point_of(name, point)))
         distance += np.where(self.movable, 0.0, 0.5 * self.joint_tolerance)  # a support comes last
         order = np.argsort(distance, kind="stable")

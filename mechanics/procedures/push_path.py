@@ -287,7 +287,7 @@ class PushPath:
         return last
 
     def _overturns(self) -> bool:
-        """Whether α = 0 is a fall, wherever it rests: as drawn, and the control point moves (else a loose block fell)."""
+        """Whether α = 0 is a fall, wherever it rests: as drawn, if the control point moves, not a loose block alone."""
         return self.drawn and self.takes_part(-1, self.far)
 
     def takes_part(self, point: int, displacement: float, since: int = 0) -> bool:

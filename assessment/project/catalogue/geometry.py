@@ -122,7 +122,11 @@ def courses(z0: float, z1: float, height: float, key: str = "course_height_m") -
 
 
 def fitted(cells: Iterable[Array], region: Polygon, thinnest: float = THINNEST) -> list[Array]:
-    """Return cells (n, 2) m cut to a region without gap or overlap; what is thinner (m) is joined to a neighbour."""
+    """Return the cells (n, 2) m cut to a region without gap or overlap; what is thinner (m) is joined to a neighbour.
+
+    Symmetric cells in a symmetric region stay symmetric: of neighbours that share equally much with a sliver
+    the one nearer the axis takes it, or both where it stands on the axis itself.
+    """
     # of a cell that only touches the region a plain overlay may give the whole: one on a grid does not
     inside = [each for each in map(Polygon, cells) if intersection(each, region, grid_size=1e-9).area > 1e-9]
     cut = [each.intersection(region) for each in inside]
@@ -193,7 +197,10 @@ def project(
     control: Mapping[str, tuple[float, float]], increment: float,
     settlements: Sequence[Mapping[str, Any]] = (), **tables: Any,
 ) -> dict[str, Any]:  # fmt: skip
-    """Return a project file of `stone` (kN/m³, tangent, kN/m³), control points (m), `increment` (m), other `tables`."""
+    """Return a project file; `stone`: kN/m³, tangent of friction, kN/m³ of joints; `increment` (m) of the pushover.
+
+    `control`: points (m) by name, of two each followed where it goes ahead; `tables`: others, [assessment] adds.
+    """
     ahead = sorted(control, key=lambda name: -control[name][0])
     pushover: dict[str, Any] = {"contacts": ["rigid", "elastic"], "directions": ["+x", "-x"]}
     pushover["increment_m"] = increment

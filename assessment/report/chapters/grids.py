@@ -41,7 +41,10 @@ def grid(
     table: Table, words: language.Words, caption: Markup, significant: int = 3,
     heads: Mapping[str, Markup] = MappingProxyType({}),
 ) -> Grid:  # fmt: skip
-    """Write a table for the report, without columns that no row has; `heads`: of columns called otherwise here."""
+    """Write a table for the report, without the columns that no row has.
+
+    `heads`: headings of columns that are called otherwise in this table.
+    """
     columns = [column for column in table.columns if any(column in row for row in table.rows)]
     return Grid(
         caption,
@@ -169,7 +172,10 @@ def _interventions(results: Results) -> Table:
 
 
 def ranges_table(found: Iterable[Row], words: language.Words) -> Table:
-    """Return the ranges of what scatters, a row a quantity; ratios are those of the a_g above them, and left out."""
+    """Return the ranges of paths that scatter: a row a quantity, under the contacts or the check that it is of.
+
+    Ratios are left out: they are those of the a_g above them.
+    """
     rows = []
     for each in (row for row in found if row["quantity"] != "zeta_E"):
         name, limit = each["quantity"], each.get("limit_state")
@@ -208,7 +214,10 @@ def echoed(echo: Mapping[str, Any], words: language.Words) -> Iterator[Row]:
 
 
 def _flat(value: Mapping[str, Any], path: Path = ()) -> Iterator[tuple[Path, str, Any]]:
-    """Yield path, key and value, tables within after, arrays of them numbered from 1; no loads of unloaded layers."""
+    """Yield path of the table, key and value, the tables within after; arrays of tables are numbered from 1.
+
+    Of a layer without loads the keys of loads are left out.
+    """
     inner: list[tuple[Path, Mapping[str, Any]]] = []
     unloaded = not any(value.get(key) for key in LOADS)
     for key, item in value.items():
@@ -259,7 +268,10 @@ STEPS = ("symbol", "formula", "inputs", "result", "paragraph")
 
 
 def traces(results: Results, words: language.Words) -> Iterator[Grid]:
-    """Yield the calculation of the governing check, in full annexes of all; lines of the action stand there alone."""
+    """Yield the calculation of the governing check, in full annexes of everything: action, curve, checks, indices.
+
+    Lines that a check shares with the seismic action of its limit state are printed there alone.
+    """
     full, least, wanted = results.echo.report.get("annexes") == "full", results.summary.governing, []
     if least is not None:
         place = least.state, least.direction

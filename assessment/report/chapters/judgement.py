@@ -34,7 +34,10 @@ ONE_PER_CENT = 0.01  # losses no larger have no sign worth a remark
 
 
 def draft_judgement(results: Results, words: Words) -> list[Markup]:
-    """Return sentences of all that printed tables have: acceptability, comparison, margins, limits, trust."""
+    """Return sentences: acceptability, comparison with simplified assessments, margins, limits, trust in the numbers.
+
+    All that a printed table has of a quantity is compared: no sentence may claim what a table contradicts.
+    """
     if not results.model.self_weight_stable:
         return findings(results, words)
     return [*findings(results, words), *_trust(results, words), words("judgement.limits")]
@@ -245,9 +248,12 @@ class Judgement:
 
 
 def judgement(results: Results, words: Words, folder: Path) -> Judgement:
-    """Return the judgement to write into `folder`: the draft, or the file there where it was edited."""
+    """Return the judgement to write into `folder` beside the results: the draft, or the file there where it was edited.
+
+    The first line of the file holds a digest of the draft that follows: a text that does not match it was edited. Where
+    the draft has changed since, a warning says so. Raises ProjectError for a file that cannot be read as text.
+    """
     body = "\n".join(f"- {plain_text(sentence)}" for sentence in draft_judgement(results, words)) + "\n"
-    # by the digest of the draft that follows, in the first line, is known whether it was edited
     mark = f"<!-- draft {_digest(body)}: {words.plain('judgement.file')} -->\n\n"
     path = folder / NAME
     if path.is_file():
@@ -263,7 +269,10 @@ def judgement(results: Results, words: Words, folder: Path) -> Judgement:
 
 
 def read_judgement(path: Path) -> str:
-    """Return the text of the file: UTF-8, UTF-16 or the code page of the West. Raises ProjectError for others."""
+    """Return the text of the file: UTF-8, or what editors on Windows write, UTF-16 and the code page of the West.
+
+    Raises ProjectError where it is none of them, or longer than anybody writes.
+    """
     if path.stat().st_size > MOST_BYTES:
         raise ProjectError(
             f"{path}: more than {MOST_BYTES} bytes; shorten it, or delete it to have a new draft"

@@ -152,7 +152,10 @@ def missing_pushovers(results: Results, words: Words) -> Sentences:
 
 
 def onsets(results: Results, words: Words) -> Sentences:
-    """Yield a sentence for each settled curve that begins, at `alpha_onset`, by closing hinges of the settlement."""
+    """Yield a sentence for each curve that begins, at `alpha_onset`, by closing hinges of the settlement.
+
+    As drawn there are none; blocks that meet others are a warning.
+    """
     for name, direction, rigid in sorted(hand_check.mechanisms(results), key=lambda each: each[1]):
         if name == ORIGINAL or rigid.alpha_onset >= (1.0 - ONSET) * rigid.alpha_0:
             continue
@@ -331,7 +334,10 @@ def identified(results: Results, words: Words) -> Sentences:
 
 
 def ready_lines(results: Results, words: Words) -> str:
-    """Return the best movement as lines for the project file, under a comment where it explains nothing."""
+    """Return the lines of the best movement for the project file, none where there are none.
+
+    A comment heads those of a movement that does not explain the measurements.
+    """
     found = results.identification
     best = best_of(found) if found else None
     if found is None or best is None or not found.settlements:

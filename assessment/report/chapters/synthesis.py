@@ -63,7 +63,10 @@ def of_one_sign(state: str, loss: schema.Loss, words: Words) -> list[Markup]:
 
 
 def _broken_ties(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield of each analysis and state, of movements the whole, how many lowest collapses are ties that break."""
+    """Yield of each analysis and state how many lowest collapses are ties that break, which are no falls.
+
+    Of a movement in shares the whole one counts.
+    """
     whole = (each for each in shaken(results) if each.share in (None, 1.0))
     for (analysis, state), of in groupby(whole, key=lambda each: (each.analysis, each.state)):
         rows = [row for each in of for row in each.rows if row.lowest_collapse_g is not None]
@@ -135,7 +138,12 @@ def _outcome(results: Results, name: str, words: Words) -> str:
 
 
 def _strengthened(results: Results, name: str, words: Words) -> Markup:
-    """Return what an intervention gives back, in the direction in which it found the structure weakest."""
+    """Return a sentence on what an intervention gives back, in the direction in which it found the structure weakest.
+
+    That is of the index, without checks of the multiplier; of directions that were alike, the one that is weakest now.
+    Where the structure is now weakest in another direction, the value there is given too. The sentence gives
+    the result of the motions too, where that is the opposite.
+    """
     limit, of = summary.index_limit(results), known(results.states[name].strengthening).of
     if (least := summary.least_row(results, of)) is None:
         return Markup("")

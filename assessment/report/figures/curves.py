@@ -208,7 +208,10 @@ BARS: dict[str, dict[str, Any]] = {  # of the factors: light and hatched below, 
 
 
 def draw_scenarios(results: Results, words: Words) -> Figure:
-    """Draw the capacity over the movement by scenario and direction; worst case ringed, ultimate movements crosses."""
+    """Draw the capacity over the movement: dashes per scenario, a curve per direction, worst case ringed.
+
+    Ultimate movements (the smallest of the contact behaviours) are crosses on the axis: nothing is left there.
+    """
     found, mm = known(results.scenarios), scale("movement_m")
     names = list(dict.fromkeys(point.state for point in found.points if point.movement_m > 0.0))
     figure, (axes,) = chart(words, height_mm=95.0)

@@ -298,7 +298,10 @@ JOINTS: dict[str, dict[str, Any]] = {  # by condition; a joint that presses as a
 
 
 def draw_thrust(results: Results, words: Words, shown: Sequence[Situation]) -> Figure:
-    """Draw situations: resultants as long as they are large, joined through blocks of two joints; conditions."""
+    """Draw each situation: resultants as lines as long as they are large, joined through blocks of two joints.
+
+    Joints are marked by their condition (JointStates.condition); a hinge is a circle where the resultant crosses.
+    """
     drawing = outlines(results)
     shapes = [drawing.moved(situation.configuration) for situation in shown]
     joints = [joint_states(results, situation) for situation in shown]

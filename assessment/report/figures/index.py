@@ -35,7 +35,10 @@ PANELS = 4  # in one figure
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure: file stem, section, how to draw it, key and fields of its caption; `full`: printed in full annexes."""
+    """A figure of the report: file stem, section, how to draw it, key and fields of its caption.
+
+    `full`: printed in full annexes only; its files are there in any case.
+    """
 
     name: str
     section: str
@@ -46,7 +49,10 @@ class Picture:
 
 
 def write_figures(pool: Pool, folder: Path) -> list[Path]:
-    """Write every figure of the results that the pool holds as SVG, reproducibly; return paths in their order."""
+    """Write every figure of the results that the pool holds as SVG into the folder; return paths in their order.
+
+    The same bytes for the same results.
+    """
     return [result_of(path) for path in _drawn(pool, folder, save_svg, "svg")]
 
 

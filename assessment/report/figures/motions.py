@@ -86,7 +86,10 @@ def draw_history(results: Results, words: Words, index: int) -> Figure:
 
 
 def draw_shapes(results: Results, words: Words, state: str, index: int) -> Figure:
-    """Draw a state at its largest sustained displacement under a record and at collapse or the end, to true scale."""
+    """Draw a state at its largest control displacement under a record and at collapse or at the end, to true scale.
+
+    Where it collapses, the largest is that from which it still came back.
+    """
     entry = moving(results, known(results.motions)[index].name)[state]
     shape = outlines(results)
     start = shape.moved(results.states[state].configuration)
@@ -126,7 +129,11 @@ def _runs(results: Results, row: dynamic.Scanned) -> Sequence[dynamic.Level]:
 
 
 def draw_ida(results: Results, words: Words, of: Sequence[Shaken]) -> Figure:
-    """Draw the IDA curves of some states: PGA over peak displacement, the same axes in all panels."""
+    """Draw the IDA curves of some states: PGA over peak displacement, the same axes in all panels.
+
+    A record has its mark, +x a full line and −x a dashed one; arrows at the lowest collapse of each curve; empty marks:
+    levels withstood above it; the levels that 16, 50 and 84 % collapse at, the one that counts, and where all do.
+    """
     panels = [[(row, _runs(results, row)) for row in each.rows] for each in of]
     curves, mm = [curve for panel in panels for curve in panel], scale("peak_displacement_m")
     records = list(dict.fromkeys(row.record for row, _ in curves))
@@ -188,7 +195,10 @@ def _curve(
 
 
 def draw_fragility(_: Results, words: Words, of: Sequence[Shaken]) -> Figure:
-    """Draw P of collapse over the measure with 95 % bounds; circles: levels of 50 %, or shares of the stripes."""
+    """Draw the probability of collapse over the measure: lognormal curves with their 95 % bounds.
+
+    Circles: the levels of 50 % that they are fitted to, or the shares that collapse at each of the stripes.
+    """
     from scipy.special import ndtr  # late: few reports need it, and it takes long to import
 
     measure = label("pga_g", words)

@@ -59,7 +59,10 @@ def summary(results: Results) -> Found:
 
 @table("verification", CHECKS)
 def verification(results: Results) -> Found:
-    """List the checks of every state and direction, null: no capacity; `reduction`: of a_g from the original state."""
+    """List the checks of every state and direction: what each limit state bears and what governs it.
+
+    Null: there is no capacity to check, in a direction that was asked for. `reduction`: of a_g from the original state.
+    """
     found = [check for _, _, each in capacities(results) for check in each.checks.values()]
     known = any(check.return_period_years for check in found)  # by the hazard curve
     columns = [key for key in VERIFICATION.split() if known or key != "return_period_years"]
@@ -120,7 +123,10 @@ def chosen_checks(results: Results) -> Found:
 
 @table("linear_checks", ACTIVE)
 def linear_checks(results: Results) -> Found:
-    """List linear checks of what is activated first, found and chosen: a_0* against a_g S/q, or a_Z/q at height."""
+    """List the linear kinematic checks, of mechanisms found and chosen: a_0* against a_g S/q, or a_Z/q at height.
+
+    They are of the mechanism that is activated first, in the configuration of its state.
+    """
     activated: list[tuple[str, Direction, str, Capacity | GivenMechanism]] = []
     for name, direction, capacity in capacities(results):
         pushed, count = results.states[name].pushover.get(direction), capacity.mechanism
@@ -138,7 +144,10 @@ def linear_checks(results: Results) -> Found:
 
 
 def calculations(results: Results) -> Iterator[tuple[str, str, str, list[Line]]]:
-    """Yield state, direction, part and steps of every calculation; "capacity": shared by the checks of a direction."""
+    """Yield state, direction and part of every calculation with its steps; of a mechanism "name: part".
+
+    "capacity" is what the checks of a direction share.
+    """
     for limit, demand in (results.spectra or {}).items():
         yield "", "", f"spectrum {limit}", demand.trace or []
     found: list[tuple[str, str, str, Capacity | GivenMechanism]] = []
@@ -169,7 +178,10 @@ def trace(results: Results) -> Found:
 
 
 def _indices(results: Results, columns: str) -> Iterator[Row]:
-    """Yield the indices of every state, as far as known; null: no capacity in a direction."""
+    """Yield the indices of every state; what is not known for want of a return period is left out.
+
+    Null: the state has no capacity in a direction.
+    """
     found = determined_indices(results).items()
     known = {name: present(cells(each, columns.split())) for name, each in found}
     told = {key for row in known.values() for key in row} | {"zeta_SLV", "IS_V"}
@@ -183,7 +195,10 @@ risk = table("risk", f"state {RISK}")(lambda results: _indices(results, RISK))
 
 @table("interventions", "state use_class intervention ?zeta_before zeta_SLV required_zeta ?attained")
 def interventions(results: Results) -> Found:
-    """List ζ_E and what each kind of intervention must reach (NTC 2018, §8.4); of strengthened states if it does."""
+    """List ζ_E of every state and what each kind of intervention must reach (NTC 2018, §8.4).
+
+    Of a strengthened state that follows from ζ_E before, and `attained` tells whether it is reached.
+    """
     known = determined_indices(results)
     for name in _states(results):
         if found := known.get(name):

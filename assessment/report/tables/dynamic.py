@@ -82,7 +82,10 @@ def motions(results: Results) -> Curves:
 
 @dataclass(frozen=True)
 class Shaken:
-    """A `state` (a movement, of a `campaign`) that was shaken: fragility, loss, every record and sign; its `share`."""
+    """A state that was shaken: its fragility and loss, and every record and sign.
+
+    Of a `campaign` `state` names the movement, of which it is a `share`; else it is one of [incremental].
+    """
 
     state: str
     fit: parts.Fragility
@@ -180,7 +183,11 @@ def losses(results: Results) -> Found:
 
 @table("static_dynamic", BESIDE)
 def static_dynamic(results: Results) -> Found:
-    """Set static check, incremental analysis and campaign of each state on one reference: surface PGA, F_C = 1."""
+    """Set static check, incremental analysis and campaign of each state on one reference: PGA at the surface, F_C = 1.
+
+    The level of 50 % is the median of the fragility, and the loss of motions that of these levels, of each record by
+    itself. `over_static` is over the least static capacity of the state.
+    """
     original = results.states.get("original")
     for name, state in results.states.items():
         moving: dict[str, Row] = {}  # of one state, the whole movement or none of it
@@ -262,7 +269,11 @@ LONGEST = 60  # characters of an identifier; they are letters and digits of ASCI
 
 
 def fragility_model(results: Results) -> bytes | None:
-    """Return a fragility model (NRML 0.5) of the states of [incremental] and the movements of the campaign, if any."""
+    """Return a fragility model (NRML 0.5) of the states of [incremental] and the movements of the campaign, if any.
+
+    Mean and standard deviation are those of the measure (g), median · exp(β²/2) and mean · √(exp β² − 1), as OpenQuake
+    takes them. A fragility without β, or with one above WIDEST, is left out.
+    """
     functions = []
     for number, each in enumerate(shaken(results), 1):
         median, beta = each.fit.median_g, each.fit.beta

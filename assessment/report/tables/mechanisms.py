@@ -29,7 +29,11 @@ COUNTED = 10  # hinges that have a word
 
 @table("mechanisms", FOUND)
 def mechanisms(results: Results) -> Found:
-    """List the rigid mechanism of every state and direction: that of α0, and its α by the other law of friction."""
+    """List the rigid mechanism of every state and direction.
+
+    It is that of α0, beside it that by the other law of friction where the two differ; where the control point takes no
+    part in that mechanism, `mechanism_alpha` is the multiplier at which the one listed is activated.
+    """
     for name, direction, rigid in by_hand.mechanisms(results):
         found, other = rigid.mechanism, rigid.other_law
         row: Row = {"state": name, "direction": direction, "alpha_0": rigid.alpha_0}
@@ -41,7 +45,10 @@ def mechanisms(results: Results) -> Found:
 
 @table("second_solver", f"state direction sliding alpha_own_run {' '.join(SECOND_SOLVER[1:])}")
 def second_solver(results: Results) -> Found:
-    """List multipliers of limit analysis by two programs, of the state's own run: beside its α0, `alpha_own_run`."""
+    """List the multipliers of limit analysis by two programs, beside α0 and the friction law of its curve.
+
+    Where an ensemble was run α0 is the least of it, and what is compared is the state's own run: `alpha_own_run`.
+    """
     for name, direction, rigid in by_hand.mechanisms(results):
         if pair := rigid.second_solver:
             where = {"state": name, "direction": direction, "sliding": rigid.sliding}
@@ -68,7 +75,10 @@ def mechanism_name(results: Results, state: str, direction: Direction, words: Wo
 
 @table("all_mechanisms", ALL)
 def all_mechanisms(results: Results) -> Found:
-    """List every mechanism that has a capacity: the layers that move, hinges and slides or its name, its ratios."""
+    """List every mechanism that has a capacity: its macro-element, which are the layers that move, and its ratios.
+
+    Found ones are named by their hinges and sliding joints.
+    """
     rows: list[Row] = []
 
     def add(own: Row, moved: Configuration, found: Capacity | GivenMechanism) -> None:
@@ -156,7 +166,10 @@ def reactions(results: Results) -> Found:
 
 @table("balance", f"{WHERE} reaction_x_kN load_x_kN reaction_z_kN load_z_kN unbalanced")
 def balance(results: Results) -> Found:
-    """Set the sum of the reactions against the loads by outlines and unit weights; `unbalanced`: per moving weight."""
+    """Set the sum of the reactions against the loads, worked out from outlines, depths and unit weights.
+
+    `unbalanced` is the larger component of what is left over, per weight of the blocks that move.
+    """
     movable = np.array([block.support is None for block in results.geometry.blocks])
     weight, seismic = (float(each[movable].sum()) for each in by_hand.weights(results))
     for each in situations(results):
@@ -168,7 +181,10 @@ def balance(results: Results) -> Found:
 
 @table("joints", f"{WHERE.removesuffix(' alpha')} {JOINT}")
 def joint_table(results: Results) -> Found:
-    """List what every joint does at rest, in mechanisms, at elastic peaks; numbers beyond the drawn ones: met pairs."""
+    """List what every joint does at rest, in every mechanism and at every elastic peak (see JointStates).
+
+    Numbers beyond those of the drawing are pairs of faces that met as blocks moved.
+    """
     for each in loaded(results):
         s = joint_states(results, each)
         forces = [s.normal, s.shear, s.eccentricity, s.contact, s.pressure, s.uncrushed]

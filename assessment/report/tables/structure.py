@@ -43,7 +43,10 @@ quality = table("quality", f"state stage solves {' '.join(WORST)}")(lambda resul
 
 @table("strengthening", STRENGTHENING)
 def strengthening(results: Results) -> Found:
-    """List capacities of strengthened states below those of the state before, `of`; ζ_E at SLV (§8.3) or farthest."""
+    """List the capacities of each strengthened state and direction below those of the state before; `of`: its name.
+
+    The limit state of ζ_E is SLV (NTC 2018, §8.3), the farthest one where it was not checked.
+    """
 
     def measured(row: SummaryRow) -> Row:
         capacity = results.states[row.state].capacity.get(row.direction) if row.direction else None
@@ -156,7 +159,11 @@ def tie_strength(results: Results) -> dict[str, float | None]:
 
 @table("shaken_ties", "tie state record greatest_kN time_of_greatest_s yields lengthening_m")
 def shaken_ties(results: Results) -> Found:
-    """List the greatest tension of every tie in every motion; when is not told where it yields between two frames."""
+    """List the greatest tension of every tie in every motion.
+
+    Of a tie that yields it is the yield force: the instants that are kept may lie beside the one at which it does, and
+    then that is not known.
+    """
     for name, state in results.states.items():
         for entry in state.history:
             for each in entry.ties or ():
@@ -169,7 +176,10 @@ def shaken_ties(results: Results) -> Found:
 
 
 def tie_demands(results: Results) -> Table:
-    """List greatest tension, share of the yield force and pressure below square plates of every tie, to be checked."""
+    """List the greatest tension of every tie, its share of the yield force, and the pressure below square plates.
+
+    Bar, anchorage and masonry below the plate are for the engineer to check against these.
+    """
     greatest: dict[str, Row] = {}
     for each in [*tie_tensions(results).rows, *shaken_ties(results).rows]:
         force, most = each["greatest_kN"], greatest.get(each["tie"])
@@ -200,7 +210,11 @@ class EdgePressure:
 
 
 def edge_pressures(results: Results) -> list[EdgePressure]:
-    """Return the greatest edge pressure of joints, greatest first: at rest, and elastic peaks where there are any."""
+    """Return the greatest edge pressure of every joint, the greatest first.
+
+    Over the states at rest and the peaks of the pushover curves with elastic joints, as far as there are any: in a
+    rigid mechanism hinges press without bound.
+    """
     situations = list(loaded(results))
     elastic = [each for each in situations if each.contacts == "elastic"]
     drawn = len(results.geometry.joints)
@@ -225,7 +239,10 @@ def printed(results: Results) -> int:
 
 
 def reported_pressures(results: Results) -> Table:
-    """Return the joints pressed most; no rows where the greatest has no bound, as in hinges of rigid joints."""
+    """Return the joints that are pressed most; without the pressures of no crushing where no joint crushes.
+
+    No rows where the greatest has no bound, as in the hinges of rigid joints.
+    """
     found, left_out = edge_pressure_table(results), () if crushes(results) else ("uncrushed_pressure_kN_m2",)
     rows = found.rows[: printed(results)] if bounded(edge_pressures(results)) else []
     return without(Table(found.name, [*map(present, rows)], found.columns), *left_out)

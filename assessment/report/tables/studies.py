@@ -23,7 +23,10 @@ measured sigma predicted residual residual_in_sigma"""
 
 @dataclass(frozen=True)
 class Bar:
-    """Capacity a_g with a property lower, as given, higher, and the swing of the three; None: not known."""
+    """A state's capacity a_g with a property lower, as in the project and higher; None: not known.
+
+    `swing_g` spans the three, None where one of them is not known.
+    """
 
     state: str
     property: str
@@ -48,7 +51,10 @@ def reported_studies(results: Results) -> list[Table]:
 
 @table("scenarios", SCENARIOS)
 def scenarios(results: Results) -> Found:
-    """List every point of every scenario; `reduction`: of a_g, else of α0; `worst`: the lowest of all."""
+    """List every point of every scenario; the ultimate movements stand with the whole movement.
+
+    `reduction` is that of a_g, of α0 where there is no assessment; `worst` marks the lowest of them.
+    """
     found = results.scenarios
     for point in found.points if found else ():
         row = _of_study(found) | {"worst": found is not None and point == found.worst}
@@ -71,7 +77,11 @@ def _of_study(study: Scenarios | Sensitivity | None) -> Row:
 
 
 def bars(results: Results) -> list[Bar]:
-    """Set a_g of each state with a property lower and higher beside that of the project, by swing of the three."""
+    """Set the capacity a_g of each state with a property lower and higher beside that of the project.
+
+    The capacity of a state is that of its weaker direction, in each run anew; None where one of them is not known.
+    `swing_g` spans the three capacities. The properties of a state stand in the order of their swing.
+    """
     runs = results.sensitivity.runs if results.sensitivity else []
     found: list[Bar] = []
     for state in dict.fromkeys(run.state for run in runs):

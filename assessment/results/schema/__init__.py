@@ -149,7 +149,10 @@ def as_bytes(results: Results) -> bytes:
 
 
 def read_results(path: Path) -> Results:
-    """Return results from their file. Raises ValueError naming file and key: none, of another version, or damaged."""
+    """Return results from their file.
+
+    Raises ValueError naming file and key for a file that holds none, that is of another version, or damaged.
+    """
     if path.stat().st_size > MOST_BYTES:
         raise ValueError(f"{path}: more than {MOST_BYTES} bytes: not readable as results; {AGAIN}")
     try:
@@ -174,7 +177,10 @@ def read_results(path: Path) -> Results:
 
 
 def with_messages(content: dict[str, Any]) -> dict[str, Any]:
-    """Return content whose sentences are the messages of its table. Raises KeyError, TypeError, ValueError: damaged."""
+    """Return the content of a file of results whose sentences are the messages that its table has.
+
+    Raises KeyError, TypeError or ValueError for a table that is damaged.
+    """
     table = json.loads(json.dumps(content.get("messages") or {}), object_hook=put_together)
     return {name: value if name == "messages" else _said(value, table) for name, value in content.items()}
 

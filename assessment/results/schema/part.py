@@ -102,7 +102,10 @@ class Part(pydantic.BaseModel):
                 enter(name, field.annotation, extra)
 
     def replace(self, **values: Any) -> Self:
-        """Return the part with other values of keys, or more keys. Raises ValidationError for unknown keys, types."""
+        """Return the part with other values of some keys, or with keys that it did not have.
+
+        Raises pydantic's ValidationError for a key that is not described, or a value of another type.
+        """
         return type(self)(**{name: getattr(self, name) for name in self.model_fields_set} | values)
 
 
