@@ -171,8 +171,6 @@ def stable(program: Program, layout: Elimination, solution: Iterate) -> bool:
     held[2::3] *= program.size**2
     if program.mass is not None:
         held += program.mass[layout.order]
-    tangents = (False, True) if (program.law[:, DILATION] < 1.0).any() else (False,)
-    each = (
-        inertia(ordered(program, layout), solution.forces, solution.gaps, held, skew) for skew in tangents
-    )
+    skewed = (False, True) if (program.law[:, DILATION] < 1.0).any() else (False,)
+    each = (inertia(ordered(program, layout), solution.forces, solution.gaps, held, two) for two in skewed)
     return any(negative == 0 or (negative == 1 and work < 0.0) for negative, work in each)
