@@ -20,7 +20,7 @@ from assessment.ntc.hazard import HazardCurve
 from assessment.ntc.tables import farthest
 from assessment.ntc.verification import THRUSTING_A_G, Method, verify, vertical_component
 from assessment.project.project import Project
-from assessment.results.schema import Capacity, Direction, finite, known, static
+from assessment.results.schema import Capacity, Direction, finite, known, present, static
 from assessment.results.schema import checks as parts
 from assessment.results.schema.static import ElasticPush, LocalLoss, OtherLaw, Pushovers, RigidPush
 from assessment.results.table import sense
@@ -109,11 +109,10 @@ def _assessed(
 ) -> Found[Assessed]:
     """Return capacity and checks from the curves of one direction. Raises CapacityError where it is not defined."""
     assessment, rigid, elastic = known(project.assessment), _sound(project, curves), curves.elastic
-    curve = project, model, direction, curves, demands
-    activation, other = activation_of(model, rigid.alpha_onset, rigid.onset), None
-    own = _by_law(*curve, _Law(rigid.sliding, rigid.mechanism, activation))
+    curve, other = (project, model, direction, curves, demands), None
+    own = _by_law(*curve, rigid)
     with suppress(CapacityError):
-        if (law := _other_law(model, rigid)) is not None:
+        if (law := rigid.other_law) is not None and law.mechanism is not None:
             other = _by_law(*curve, law)
     capacity, fit, checks, method = own.capacity, own.capacity.fit, own.checks, own.method
     said = dict.fromkeys(note for check in checks.values() for note in check.notes)
@@ -123,8 +122,8 @@ def _assessed(
         notes.insert(0, message("local_displacement_limit_m = {given:.4g} m, but {reason}; write no more than that",
                                 given=given, reason=loss_sentence(loss)))  # fmt: skip
     made = Capacity(
-        sliding=own.law.sliding,
-        mechanism=parts.Count(hinges=own.law.mechanism.hinges, sliding_joints=len(own.law.mechanism.sliding_joints)),
+        sliding=own.sliding,
+        mechanism=parts.Count(hinges=own.mechanism.hinges, sliding_joints=len(own.mechanism.sliding_joints)),
         alpha_0=fit.alpha_0, e_star=own.part.e_star, gamma_star=own.part.gamma_star,
         T_0_s=finite(capacity.T_0), model=fit.model, d_0_star_m=finite(capacity.d_0_star),
         notes=list(fit.notes), curve=curve_of(capacity),
@@ -133,11 +132,11 @@ def _assessed(
     if curves.run is not None:
         made = made.replace(run=curves.run)
     if other is not None:
-        beside = OtherLaw(sliding=other.law.sliding, alpha_0=other.law.mechanism.alpha)
-        if ratios := _apart(checks, other.checks):
-            ratio = {name: check.zeta_E for name, check in other.checks.items() if check.zeta_E is not None}
+        beside = OtherLaw(sliding=other.sliding, alpha_0=other.mechanism.alpha)
+        mine, ratio = (present({name: x.zeta_E for name, x in each.checks.items()}) for each in (own, other))
+        if ratios := _apart(mine, ratio):
             beside = beside.replace(zeta_E=ratio)
-            notes.append(message("by {law} {ratios}", law=FRICTION[other.law.sliding], ratios=linked(ratios)))
+            notes.append(message("by {law} {ratios}", law=FRICTION[other.sliding], ratios=linked(ratios)))
         made = made.replace(other_law=beside)
     if vertical := _vertical(model, capacity, checks.get("SLV linear"), demands.spectra):
         made = made.replace(vertical=vertical)
@@ -150,28 +149,11 @@ def _assessed(
     return Found(Assessed(curves, made), warnings=notes)
 
 
-class _Law(NamedTuple):
-    """A law of friction with its mechanism, what is activated first by it, and its α0 over that of the curve."""
+class _ByLaw(NamedTuple):
+    """Capacity and checks by one law of friction, and the mechanism that they are of."""
 
     sliding: static.Sliding
     mechanism: static.Mechanism
-    activation: oscillator.Activation | None
-    factor: float = 1.0
-
-
-def _other_law(model: Assembly, rigid: RigidPush) -> _Law | None:
-    """Return the law that the rigid curve is not of, of which limit analysis alone is known; None where it is alike."""
-    other = rigid.other_law
-    if other is None or other.mechanism is None:
-        return None
-    first = activation_of(model, other.alpha_onset, other.onset)
-    return _Law(other.sliding, other.mechanism, first, other.mechanism.alpha / rigid.mechanism.alpha)
-
-
-class _ByLaw(NamedTuple):
-    """Capacity and checks by one law of friction."""
-
-    law: _Law
     part: oscillator.Participation
     capacity: oscillator.CapacityCurve
     method: Method
@@ -179,33 +161,39 @@ class _ByLaw(NamedTuple):
 
 
 def _by_law(
-    project: Project, model: Assembly, direction: Direction, curves: Pushovers, demands: Demands, law: _Law
-) -> _ByLaw:
-    """Return what follows from the curves, for another law times its α0 over theirs. Raises CapacityError."""
+    project: Project, model: Assembly, direction: Direction, curves: Pushovers, demands: Demands,
+    law: RigidPush | OtherLaw,
+) -> _ByLaw:  # fmt: skip
+    """Return what follows from the curves by the law of friction of the rigid one, or by the other one.
+
+    Of the latter limit analysis alone is known: the curves count times its α0 over theirs. Raises CapacityError.
+    """
     assessment, rigid, elastic = known(project.assessment), known(curves.rigid), curves.elastic
-    displacements = np.array(law.mechanism.displacements)
-    part = oscillator.mechanism_participation(model, displacements, law.mechanism.control_displacement_x)
+    mechanism, activation = known(law.mechanism), activation_of(model, law.alpha_onset, law.onset)
+    times = mechanism.alpha / rigid.mechanism.alpha
+    displacements = np.array(mechanism.displacements)
+    part = oscillator.mechanism_participation(model, displacements, mechanism.control_displacement_x)
     way = way_of_blocks(rigid, part.gamma_star, direction)
     d, alpha = rigid_branch(rigid, way)
     branch = None
     if elastic is not None:
         d_elastic, alpha_elastic = way.curve(along_push(elastic.curve, direction))
-        branch = d_elastic, law.factor * np.minimum(alpha_elastic, elastic.alpha_u)
-    fit = fit_curve(assessment.model, (d, law.factor * np.asarray(alpha)), branch)
+        branch = d_elastic, times * np.minimum(alpha_elastic, elastic.alpha_u)
+    fit = fit_curve(assessment.model, (d, times * np.asarray(alpha)), branch)
     end = _elastic_end(elastic) if assessment.model != "none" else None
-    fit = replace(fit, source=BLOCKS if law.factor == 1.0 else OTHER_LAW, elastic_end=end, way=way)
+    fit = replace(fit, source=BLOCKS if times == 1.0 else OTHER_LAW, elastic_end=end, way=way)
     factor, source = assessment.confidence_factor, confidence_source(assessment)
-    capacity = oscillator.capacity_curve(fit, part.e_star, part.gamma_star, factor, source, law.activation)
+    capacity = oscillator.capacity_curve(fit, part.e_star, part.gamma_star, factor, source, activation)
     method = with_loss(method_of(project, demands.hazard), rigid.local_loss)
-    return _ByLaw(law, part, capacity, method, verify(capacity, demands.spectra, method))
+    checks = verify(capacity, demands.spectra, method)
+    return _ByLaw(law.sliding, mechanism, part, capacity, method, checks)
 
 
-def _apart(checks: Mapping[str, parts.Check], others: Mapping[str, parts.Check]) -> list[Message]:
-    pairs = ((name, check.zeta_E, others[name].zeta_E) for name, check in checks.items() if name in others)
+def _apart(ratios: Mapping[str, float], others: Mapping[str, float]) -> list[Message]:
     return [
-        message("{check} has the ratio {other:.3g}, not {own:.3g}", check=name, other=other, own=own)
-        for name, own, other in pairs
-        if own is not None and other is not None and abs(other - own) > TOLD * own
+        message("{check} has the ratio {other:.3g}, not {own:.3g}", check=name, other=others[name], own=own)
+        for name, own in ratios.items()
+        if name in others and abs(others[name] - own) > TOLD * own
     ]
 
 

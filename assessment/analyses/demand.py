@@ -11,12 +11,12 @@ from assessment.ntc import floor_spectrum, tables
 from assessment.ntc.floor_spectrum import Spectrum, ground_of
 from assessment.ntc.hazard import HazardCurve, HazardError, return_period_steps, site_curve
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
-from assessment.ntc.tables import CONFIDENCE_FACTOR, ROCK, SURFACE, Trace, confidence_factor, return_period
+from assessment.ntc.tables import CONFIDENCE_FACTOR, ROCK, SURFACE, confidence_factor, return_period
 from assessment.ntc.verification import ACTIVATION_DAMPING, RULES
 from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
-from assessment.project.schema import AssessmentTable, KnowledgeTable
-from assessment.results.schema import StateResults, known
+from assessment.project.schema import AssessmentTable
+from assessment.results.schema import Line, StateResults, known
 from assessment.results.schema import checks as parts
 from assessment.results.table import indices
 from assessment.runtime.errors import ProjectError
@@ -38,8 +38,7 @@ def demand_spectra(project: Project, shaking: Sequence[BaseMotion] = ()) -> Dema
     With spectrum = "record" that of the first base motion of [[history]] (`shaking`). Raises ProjectError for a site
     outside the grid, and for method = "grid" with a record.
     """
-    assessment = project.assessment
-    assert assessment is not None
+    assessment = known(project.assessment)
     if assessment.spectrum == "record":
         if assessment.method == "grid":
             text = 'a record has no return period; write "demand-shape", or spectrum = "ntc"'
@@ -111,19 +110,25 @@ def _at_height(ground: ElasticSpectrum, assessment: AssessmentTable) -> Spectrum
 
 def demand_parts(project: Project, demands: Demands) -> dict[str, parts.DemandSpectrum]:
     """Return the demand spectra by limit state and how their parameters follow (NTC 2018, §3.2.3; Circolare C7.2.3)."""
-    assert project.assessment is not None
-    found, periods = {}, demand_return_periods(project)
+    assessment, found, periods = known(project.assessment), {}, demand_return_periods(project)
+    site, floor = assessment.site, assessment.floor
     for name, spectrum in demands.spectra.items():
-        rule = RULES.get((str(project.assessment.circular), name))
+        rule = RULES.get((str(assessment.circular), name))
         part = _ordinates(spectrum, rule.damping if rule else ACTIVATION_DAMPING)
         if name in periods:
             part = part.replace(return_period_years=periods[name])
-        ground = ground_of(spectrum)
-        if ground is not None:
-            steps = (*_hazard_steps(project.assessment, demands, name, spectrum), *ground.parameter_steps())
+        if (ground := ground_of(spectrum)) is not None:
+            steps: list[
+                Line
+            ] = []  # how return period, hazard and, at height, the period of the building follow
+            if demands.hazard is not None and site is not None:
+                by_life = return_period_steps(name, site.nominal_life_years, site.use_class)
+                steps = [*by_life, *demands.hazard.steps(by_life[-1].result)[1:]]
+            if floor is not None and floor.period_s is None and ground is not spectrum:
+                steps.append(floor_spectrum.fundamental_period(floor.building_height_m))
             part = part.replace(
                 F0=ground.F0, Tc_star_s=ground.Tc_star, soil=ground.soil, topography=ground.topography,
-                T_B_s=ground.T_B, T_C_s=ground.T_C, T_D_s=ground.T_D, trace=[*steps],
+                T_B_s=ground.T_B, T_C_s=ground.T_C, T_D_s=ground.T_D, trace=[*steps, *ground.parameter_steps()],
             )  # fmt: skip
         found[name] = part
     return found
@@ -140,18 +145,6 @@ def _ordinates(spectrum: Spectrum, damping: float) -> parts.DemandSpectrum:
         damping=damping, damped_S_e_g=damped.acceleration(PERIODS).tolist(),
         damped_S_De_m=damped.displacement(PERIODS).tolist(),
     )  # fmt: skip
-
-
-def _hazard_steps(assessment: AssessmentTable, demands: Demands, name: str, spectrum: Spectrum) -> Trace:
-    """Return how return period, hazard and, at height, the period of the building follow."""
-    steps: Trace = ()
-    site, floor = assessment.site, assessment.floor
-    if demands.hazard is not None and site is not None:
-        by_life = return_period_steps(name, site.nominal_life_years, site.use_class)
-        steps = (*by_life, *demands.hazard.steps(by_life[-1].result)[1:])
-    if floor is not None and floor.period_s is None and ground_of(spectrum) is not spectrum:
-        steps = (*steps, floor_spectrum.fundamental_period(floor.building_height_m))
-    return steps
 
 
 def state_indices(
@@ -191,12 +184,6 @@ def state_indices(
     earlier = before.indices.zeta_SLV if before.indices else None
     required = tables.required_zeta(earlier, use_class)
     return made.replace(zeta_before=earlier, required_zeta=required, attained=tables.attained(zeta, required))
-
-
-def knowledge_of(knowledge: KnowledgeTable) -> parts.Knowledge:
-    """Return F_C, its components, and the calculation of F_C from them."""
-    line = confidence_factor(knowledge.level, knowledge.components)
-    return as_part(parts.Knowledge, knowledge, F_C=line.result, trace=[line])
 
 
 def confidence_source(assessment: AssessmentTable | None) -> str:

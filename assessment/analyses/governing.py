@@ -16,7 +16,7 @@ import numpy as np
 from assessment.analyses.capacity import Assessed, refused, towards
 from assessment.analyses.found import Found, in_increments
 from assessment.analyses.states import Request, StateResult, analyse_states, curves
-from assessment.results.schema import Check, Direction, Part, StateResults, known
+from assessment.results.schema import Direction, Part, StateResults, known
 from assessment.results.schema.static import Behaviour, ElasticPush, Pushovers, RigidPush
 from assessment.results.table import cells, indices
 from assessment.runtime.tasks import Workers
@@ -184,15 +184,30 @@ def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess
         pushover[direction] = _with_curves(chosen, number, followed, len(runs))
         if value is not None:
             others = [each.value.capacity.checks for each in checked if each.value]
-            ranged = {
-                check: _decided(_ranged(part, CHECKED, [x[check] for x in others if check in x], len(runs)))
-                for check, part in value.capacity.checks.items()
-            }
-            capacity[direction] = value.capacity.with_checks(ranged)
+            checks = {}
+            for check, own_check in value.capacity.checks.items():
+                ranged = _ranged(own_check, CHECKED, [x[check] for x in others if check in x], len(runs))
+                low = ranged.zeta_E_range[0] if ranged.zeta_E_range else None
+                if (
+                    ranged.verified and low is not None and low < 1.0
+                ):  # verified only where the whole range is
+                    ranged = ranged.replace(verified=None)
+                checks[check] = ranged
+            capacity[direction] = value.capacity.with_checks(checks)
         for note in (*_refusals(checked, len(runs)), *checked[number].warnings):
             found.warnings.append(message("{state}: {text}", state=name, text=towards(direction, note)))
     if len(runs) > 1:
-        found.warnings.extend(headed(message("{state}", state=name), note) for note in _told_of(runs))
+        notes = [message(
+            "joints slide, or a part moves by itself: {count} runs with other increments and corners moved by a "
+            "ten-millionth of their block give the ranges; all numbers are those of the run with the least capacity",
+            count=len(runs),
+        )]  # fmt: skip
+        if failed := [stage for run in runs[1:] for stage in run if stage.failures]:
+            text = failed[0].failures[0]
+            notes.append(
+                message("in {count} of the runs of the ensemble: {text}", count=len(failed), text=text)
+            )
+        found.warnings.extend(headed(message("{state}", state=name), note) for note in notes)
     made = state.replace(pushdown=pushdown, pushover=pushover, capacity=capacity)
     return Governed(made, found.warnings, found.runs)
 
@@ -250,12 +265,6 @@ def _ranged(part: Ranged, names: Sequence[str], runs: Sequence[Part], count: int
     return part.replace(**ranges)
 
 
-def _decided(check: Check) -> Check:
-    """Return a check that is verified only where the whole of its range is."""
-    low = check.zeta_E_range[0] if check.zeta_E_range else None
-    return check.replace(verified=None) if check.verified and low is not None and low < 1.0 else check
-
-
 def _refusals(checked: Sequence[Found[Assessed]], runs: int) -> Iterator[Message]:
     """Yield why a direction has no capacity: of an ensemble once for each kind of reason, with how many runs it has."""
     reasons: dict[str, list[Message]] = {}
@@ -266,15 +275,3 @@ def _refusals(checked: Sequence[Found[Assessed]], runs: int) -> Iterator[Message
         yield refused(reason) if runs == 1 else message(
             "no capacity in {count} of {runs} runs: {reason}", count=count, runs=runs, reason=reason
         )  # fmt: skip
-
-
-def _told_of(runs: Sequence[Run]) -> Iterator[Message]:
-    """Yield warnings about an ensemble: how large it is, and which runs have no result."""
-    yield message(
-        "joints slide, or a part moves by itself: {count} runs with other increments and corners moved by a "
-        "ten-millionth of their block give the ranges; all numbers are those of the run with the least capacity",
-        count=len(runs),
-    )
-    if failed := [stage for run in runs[1:] for stage in run if stage.failures]:
-        text = failed[0].failures[0]
-        yield message("in {count} of the runs of the ensemble: {text}", count=len(failed), text=text)

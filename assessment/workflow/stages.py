@@ -11,18 +11,27 @@ import numpy as np
 from assessment.analyses import demand
 from assessment.analyses.capacity import Assessed, assess
 from assessment.analyses.chosen_mechanism import assess_chosen
-from assessment.analyses.found import Found, joined, quality_of, refined
+from assessment.analyses.found import Found, as_part, joined, quality_of, refined
 from assessment.analyses.governing import Governed, Run, governed, members
 from assessment.analyses.histories import histories
 from assessment.analyses.lateral import rests_or_moves, second_solver
 from assessment.analyses.paths import pressed_in, stand
 from assessment.analyses.states import Request, StateResult, analyse_states
 from assessment.analyses.time_history import MotionInputs, motion_part, starts_of
+from assessment.ntc.tables import confidence_factor
 from assessment.project.model import ProjectModel, StateModel
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL
 from assessment.report.chapters.judgement import told
-from assessment.results.schema import Direction, Pushovers, QualityRow, Results, StateResults, present
+from assessment.results.schema import (
+    Direction,
+    Knowledge,
+    Pushovers,
+    QualityRow,
+    Results,
+    StateResults,
+    present,
+)
 from assessment.results.schema.studies import ConvergenceRow
 from assessment.results.summary import summary_of, without
 from assessment.results.table import comparison
@@ -214,8 +223,9 @@ def _add_capacities(draft: Draft, converged: Converged, ensembles: Ensembles) ->
         if project.assessment and without(state.capacity, state.pushover):
             draft.complete = False
     if project.assessment:
-        if project.assessment.knowledge:
-            draft.put(knowledge=demand.knowledge_of(project.assessment.knowledge))
+        if knowledge := project.assessment.knowledge:
+            line = confidence_factor(knowledge.level, knowledge.components)
+            draft.put(knowledge=as_part(Knowledge, knowledge, F_C=line.result, trace=[line]))
         draft.put(spectra=demand.demand_parts(project, demands))
         draft.took("assessment", time.perf_counter() - began)
     if project.mechanism:
