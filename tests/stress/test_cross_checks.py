@@ -8,16 +8,21 @@ import pytest
 
 from mechanics import pushdown
 from mechanics.errors import CollapseError
-from mechanics.program import certify
-from mechanics.solvers import lp_highs, solve
+from mechanics.program import Program, Solution, certify
+from mechanics.solvers import lp_highs, qp_piqp, solve
 from mechanics.steps.equilibrium import closed_program
 from tests.mechanics.procedures.test_statics_properties import arch, within_cones
-from tests.mechanics.solvers.test_program import second_opinion
 from tests.stress.corpus import assemblies
 from tests.stress.test_stress import LONG
 from tests.support.steps import euler_step, shaken, static_step
 
 COUNT = 200 if LONG else 4
+
+
+def second_opinion(program: Program) -> Solution:
+    answer = qp_piqp.solve(program, 1e-12, 200)
+    assert answer is not None
+    return Solution(*answer, certify(program, *answer))
 
 
 def test_multipliers():

@@ -168,30 +168,6 @@ def swinging(model: Assembly) -> State:
     return State(rest.positions, velocities)
 
 
-def test_first_period_on_elastic_joints() -> None:
-    model, omega = winkler()
-    step = 2.0 * np.pi / omega / 100.0
-    motion = time_history(model, np.zeros(401), step, "elastic", swinging(model), "second-order")
-    rotation = motion.positions[:, 1, 2]
-    up = np.flatnonzero((rotation[:-1] < 0.0) & (rotation[1:] >= 0.0))
-    crossing = up + rotation[up] / (rotation[up] - rotation[up + 1])
-    assert step * np.diff(crossing) == pytest.approx(2.0 * np.pi / omega, rel=0.005)
-    assert motion.energy.integrator[-1] < 0.02 * motion.energy.mechanical[0] + 1e-12
-
-
-def test_viscous_damping_has_the_ratio_asked_for() -> None:
-    """Free vibration on elastic joints: the logarithmic decrement is 2πζ; the integrator's share is reported apart."""
-    model, omega = winkler()
-    step = 2.0 * np.pi / omega / 200.0
-    motion = time_history(
-        model, np.zeros(801), step, "elastic", swinging(model), "second-order", damping_ratio=0.05
-    )
-    rotation = motion.positions[:, 1, 2]
-    top = np.flatnonzero((rotation[1:-1] > rotation[:-2]) & (rotation[1:-1] >= rotation[2:])) + 1
-    assert np.diff(np.log(rotation[top])) == pytest.approx(-2.0 * np.pi * 0.05, rel=0.1)
-    assert abs(motion.energy.integrator[-1]) < 0.05 * motion.energy.viscous[-1]
-
-
 @pytest.mark.parametrize("integrator", ["second-order", "moreau-jean"])
 def test_elastic_schemes_are_of_second_order(integrator: Integrator) -> None:
     model, omega = winkler()

@@ -115,25 +115,3 @@ def test_gaps_of_a_bed_of_points_are_those_whose_springs_bear_the_forces(half, k
     assert (force, couple) == pytest.approx((1.0, half * (n2 - n1)), abs=1e-9 * max(1.0, half))
     # between two kinks the law is linear: the gaps are the compliance times the forces
     assert (-c11 * n1 + c12 * n2, c12 * n1 - c22 * n2) == pytest.approx((g1, g2), rel=1e-9)
-
-
-@pytest.mark.parametrize("eccentricity", [0.0, -0.3])
-def test_points_come_to_the_exact_bed_with_the_square_of_their_number(eccentricity):
-    """A bed of n segments that is pressed all along is stiffer in rotation by 1 + 2/n²."""
-    n1, n2 = ends_of(eccentricity)
-    exact = np.diff(closures(n1, n2, 1.0))[0]
-    for n in (1, 2, 4, 16, 64):
-        turn = np.diff(points_under(n1, n2, n, 1.0)[:2])[0]
-        assert turn * (1.0 + 2.0 / n**2) == pytest.approx(exact, rel=1e-9, abs=1e-12)
-
-
-@pytest.mark.parametrize("eccentricity", [0.4, -0.6])
-def test_points_come_to_the_exact_bed_where_it_opens(eccentricity):
-    """Over a contact of half the joint and less: the error falls with the square, as the last point lies in it."""
-    exact = np.array(closures(*ends_of(eccentricity), 1.0))
-    numbers = np.array([8, 16, 32, 64])
-    error = np.array(
-        [abs(np.array(points_under(*ends_of(eccentricity), n, 1.0)[:2]) / exact - 1.0).max() for n in numbers]
-    )
-    contact = 1.5 * (1.0 - abs(eccentricity))  # of the joint
-    assert (error < 8.0 / (numbers * contact) ** 2).all()

@@ -14,11 +14,9 @@ from mechanics.model.contacts import end_gaps, rows
 from mechanics.types import GRAVITY
 from tests.support.reference_loops import derivative, scattered, turned
 from tests.support.structures import (
-    arch_on_piers,
     column,
     rectangle,
     running_bond,
-    semicircular_arch,
     tied_arch,
 )
 
@@ -115,11 +113,6 @@ def test_inaccuracies_of_the_drawing_change_no_joint_and_open_no_gap(seed):
     ]
     assert drawn.joints.length == pytest.approx(exact.joints.length, abs=2.0 * tolerance)
     assert initial_gap(drawn) == pytest.approx(0.0, abs=1e-14)
-
-
-@pytest.mark.parametrize("model", [running_bond(), arch_on_piers(), semicircular_arch(15, 0.15)])
-def test_as_drawn_every_contact_is_closed(model):
-    assert initial_gap(model) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_default_tolerance_is_a_thousandth_of_the_median_edge():
