@@ -9,8 +9,13 @@ from typing import Any
 
 from assessment.cli.main import main
 from assessment.project.catalogue.new_project import made, write_drawing
+from assessment.project.model import build_model
+from assessment.project.project import Project
+from assessment.results.schema.part import plain
 from assessment.runtime.cache import FOLDER
 from assessment.runtime.progress import NAME as JOURNAL
+from assessment.runtime.tasks import Outcome
+from assessment.workflow import stages
 from assessment.workflow.run import ENTRY
 from tests import ROOT
 
@@ -112,6 +117,17 @@ def timeless(value: Any) -> Any:
 def run(folder: Path, *options: str) -> int:
     """Run the project without its report; return the exit code."""
     return main(["run", str(folder), "--no-report", *options])
+
+
+def outcome_of(project: Project, jobs: int = 1) -> Outcome:
+    """Analyse a project that has been read."""
+    return stages.run(project, build_model(project), jobs)
+
+
+def results_of(project: Project, jobs: int = 1) -> dict[str, Any]:
+    """Its results as results.json has them."""
+    found: dict[str, Any] = plain(outcome_of(project, jobs).results)
+    return found
 
 
 def command(*arguments: str, code: str = "", **options: object) -> subprocess.CompletedProcess[str]:

@@ -10,9 +10,9 @@ import pytest
 
 from assessment.project.model import build_model
 from assessment.project.project import load_project
-from assessment.workflow.stages import run
 from mechanics import limit_analysis
 from tests import ROOT
+from tests.support.block_project import outcome_of
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +26,7 @@ def project():
 
 @pytest.fixture(scope="module")
 def results(project):
-    return run(project, build_model(project), jobs=1).results
+    return outcome_of(project).results
 
 
 README = {  # α0 towards +x and −x

@@ -28,9 +28,8 @@ from assessment.project.catalogue.new_project import write_drawing
 from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.results.schema import ElasticPush, plain, static
-from assessment.workflow.stages import run as analyse
 from tests.support.analysed import analysed, arch
-from tests.support.block_project import ASSESSMENT, PUSHED, block, read_results, run, write_block
+from tests.support.block_project import ASSESSMENT, PUSHED, block, outcome_of, read_results, run, write_block
 from tests.support.typed import made, typed
 from tests.support.wording import in_italian
 
@@ -65,7 +64,7 @@ def states(tmp_path_factory):
     write_drawing(folder / "geometry.dxf", {"BASE": [rectangle(-1.0, -0.3, 1.0, 0.0)], "TOWER": courses})
     (folder / "project.toml").write_text(PROJECT, encoding="utf-8")
     project = load_project(folder)
-    return analyse(project, build_model(project), jobs=1).results.states
+    return outcome_of(project).results.states
 
 
 @pytest.mark.parametrize("direction", ["+x", "-x"])

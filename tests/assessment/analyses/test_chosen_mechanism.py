@@ -12,13 +12,11 @@ from assessment.ntc.capacity_curve import CapacityError, mechanism_participation
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method
 from assessment.project.masonry import Chosen, RotatingBlocks
-from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.tables.capacity import chosen_mechanisms, trace
 from assessment.results.schema.part import plain
-from assessment.workflow.stages import run
 from mechanics import Assembly, Block, Material, limit_analysis, pushover
-from tests.support.block_project import PROJECT
+from tests.support.block_project import PROJECT, outcome_of
 from tests.support.structures import arch_on_piers, block_on_base, on_base, rectangle, semicircular_arch
 from tests.support.trace_check import recomputed
 from tests.support.typed import typed
@@ -305,7 +303,7 @@ state = "base turned"
 def test_a_project_with_mechanisms(project):
     """α0 = B/H in either sense; in the settled state the corner has gone down with the base turned by 0.02 rad."""
     content = load_project(written(project, GIVEN))
-    outcome = run(content, build_model(content), jobs=1)
+    outcome = outcome_of(content)
     results = plain(outcome.results)
     assert not outcome.complete  # one is refused
     answers = {each["name"]: each for each in results["mechanisms"]}

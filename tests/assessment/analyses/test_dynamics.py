@@ -1,6 +1,5 @@
 """The dynamic stages of a project, on the template's rocking block."""
 
-import json
 from dataclasses import replace
 from shutil import copy
 
@@ -12,24 +11,18 @@ from assessment.analyses.time_history import TAIL as FREE
 from assessment.analyses.time_history import Setting, Shaking, respond, sustained_peak, thinned
 from assessment.ntc.spectrum import ElasticSpectrum, RecordSpectrum
 from assessment.project.catalogue.new_project import RECORD, examples, new_project
-from assessment.project.model import build_model
 from assessment.project.motions import BaseMotion, history_motions, set_motions
 from assessment.project.project import load_project
 from assessment.project.schema import ControlTable, HistoryTable
-from assessment.report.document import render_html, tables
-from assessment.report.figures.index import pictures
-from assessment.report.language import words_of
+from assessment.report.document import tables
 from assessment.results.schema.part import plain
 from assessment.runtime.errors import ProjectError
 from assessment.workflow.checking import read_motions
-from assessment.workflow.stages import run
 from mechanics import ConvergenceError
 from mechanics.messages import message
 from mechanics.records.record import Record, read_record, response_spectrum
-from tests.support.block_project import TURNED, block, edit, write_block
-from tests.support.pictured import draw_sections
+from tests.support.block_project import TURNED, block, edit, outcome_of, write_block
 from tests.support.structures import arch_on_piers, block_on_base
-from tests.support.typed import typed
 
 STEP = 0.02
 TIME = STEP * np.arange(101)
@@ -60,7 +53,7 @@ def _project(folder, *tables, assessment=""):
 def outcome(tmp_path_factory):
     folder = tmp_path_factory.mktemp("dynamic") / "block"
     project = _project(folder, TAIL.format(scale=0.58), TAIL.format(scale=6.0))
-    return run(project, build_model(project), jobs=1)
+    return outcome_of(project)
 
 
 def test_histories_of_both_states_and_records(outcome):
@@ -88,13 +81,6 @@ def test_histories_of_both_states_and_records(outcome):
         assert abs(curve[at]) == weak["peak_displacement_m"]
 
 
-def test_displacements_start_from_the_states_own_rest(outcome):
-    """The settled block leans: its control point is moved, and the history does not count that."""
-    settled = plain(outcome.results)["states"]["base ruotata 20 mrad"]
-    assert settled["configuration"][1][0] > 0.02
-    assert settled["history"][0]["curve"]["displacement_m"][0] == 0.0
-
-
 def test_energy_balance_closes(outcome):
     """What is left over is little, and the weights gained what they were lifted by, from the shapes alone."""
     weights = np.array([block.weight_kN for block in outcome.results.geometry.blocks])
@@ -108,21 +94,6 @@ def test_energy_balance_closes(outcome):
                 np.array(each)[:, 1] for each in (state["configuration"], entry["final_configuration"])
             )
             assert energy["potential_kNm"] == pytest.approx(weights @ (end - start), rel=1e-6, abs=1e-9)
-
-
-def test_figures_tables_and_report(outcome, tmp_path):
-    results = json.loads(json.dumps(plain(outcome.results)))
-    results["echo"]["report"]["language"] = "it"
-    names = {picture.name for picture in pictures(typed(results))}
-    assert {"record_1", "history_1", "history_2"} <= names
-    assert {"shapes_1_0_original", "shapes_2_1_base_ruotata_20_mrad"} <= names
-    draw_sections(typed(results), tmp_path, "history")
-    filled = {table.name: table for table in tables(typed(results)) if table.rows}
-    assert len(filled["history"].rows) == 4
-    assert {"integrator", "integrator_share"} <= set(filled["history_ranges"].columns)
-    assert {"history_energy", "history_curves", "record_spectra"} <= filled.keys()
-    html = render_html(typed(results), tmp_path, words_of(typed(results)))
-    assert f"<h3>{words_of(typed(results))('section.history')}</h3>" in html
 
 
 def test_the_window_scale_and_step_of_a_motion(tmp_path):
@@ -297,7 +268,7 @@ def _pulsed(folder, tables, *names):
 def test_a_set_of_records_is_scaled_with_its_vertical_ones(tmp_path):
     """Under a long pulse a block of slenderness α falls from a = α(1 − 0.8 a) on, in both directions and analyses."""
     project = _pulsed(tmp_path / "block", PULSE, "up.csv")
-    outcome = run(project, build_model(project), jobs=1)
+    outcome = outcome_of(project)
     alpha, found = 0.6 / 4.2, outcome.results
     [row], levels = found.states["original"].incremental.records, found.campaign.combinations
     for each in (*row.signs, *levels):
@@ -368,7 +339,7 @@ spectrum = "record"
 def test_the_records_own_spectrum_as_demand(tmp_path):
     """a_g,NC = PGA · S_e(T_NC)/S_e,record(T_NC) with S_e(T) = 4π²d/T² (paper §7.1), at the damping of SLC (10 %)."""
     project = _project(tmp_path / "block", TAIL.format(scale=1.0), assessment=PUSHOVER)
-    outcome = run(project, build_model(project), jobs=1)
+    outcome = outcome_of(project)
     check = plain(outcome.results)["states"]["original"]["capacity"]["+x"]["SLC"]
     record = read_record(tmp_path / "block" / "wave.csv")
     spectrum = RecordSpectrum(record.acceleration, record.time_step, 0.10)
@@ -400,7 +371,7 @@ def test_a_failed_history_makes_the_run_incomplete_and_keeps_the_rest(tmp_path, 
 
     monkeypatch.setattr(response, "time_history", refuse)
     project = _project(tmp_path / "block", TAIL.format(scale=1.0), INCREMENTAL)
-    outcome = run(project, build_model(project), jobs=1)
+    outcome = outcome_of(project)
     assert not outcome.complete
     assert outcome.results.states["original"].history[0].reason == "step 3: no solution"
     assert outcome.results.states["original"].incremental.fragility.pga_collapse_g is None
@@ -410,9 +381,9 @@ def test_a_failed_history_makes_the_run_incomplete_and_keeps_the_rest(tmp_path, 
 def test_free_motion_is_followed_to_rest_and_what_still_moves_is_told(tmp_path, monkeypatch):
     """Two seconds do not bring the block to rest, which are what is followed where no more is allowed."""
     project = _project(tmp_path / "block", TAIL.format(scale=1.0), 'states = ["original"]\n')
-    rests = run(project, build_model(project), jobs=1).results
+    rests = outcome_of(project).results
     monkeypatch.setattr(response, "TAILS", 1)
-    moving = run(project, build_model(project), jobs=1).results
+    moving = outcome_of(project).results
     [told] = [each for each in moving.quality.warnings if "blocks still move" in each]
     assert "residual displacement are not known" in told
     assert not [each for each in rests.quality.warnings if "blocks still move" in each]

@@ -21,7 +21,7 @@ from assessment.studies.searches import UNITS, Measures, Searches, _search, find
 from assessment.studies.variants import Study
 from assessment.workflow.stages import run
 from mechanics.messages import message
-from tests.support.block_project import ASSESSMENT, PUSHED, edit
+from tests.support.block_project import ASSESSMENT, PUSHED, edit, results_of
 from tests.support.campaign_project import SEARCHES, write_campaign
 from tests.support.pictured import draw_sections
 from tests.support.typed import made
@@ -191,7 +191,7 @@ STATICS = ("self-weight", "settlement", "friction at rest, as drawn", "friction 
 def test_the_time_step_is_halved_over_all_levels_and_the_finest_counts(project):
     asked = project.incremental.model_copy(update={"states": ("original",), "records": ("wave1.csv",)})
     standard = project.model_copy(update={"campaign": None, "incremental": asked, "accuracy": 0.1})
-    fine = plain(run(standard, build_model(standard), 1).results)
+    fine = results_of(standard)
     rows = fine["convergence"]["incremental"]
     assert len(rows) == 2
     for row in rows:
@@ -214,7 +214,7 @@ def test_a_state_that_was_not_reached_has_the_reason(project):
             "accuracy": "fast",
         }
     )
-    found = plain(run(far, build_model(far), 1).results)["states"]["base turned"]["incremental"]
+    found = results_of(far)["states"]["base turned"]["incremental"]
     assert all(each["pga_collapse_g"] is None and each["reason"] for each in found["records"])
     assert (
         all(each["runs"] == 0 for each in found["records"]) and found["fragility"]["pga_collapse_g"] is None

@@ -20,12 +20,8 @@ from assessment.analyses.lateral import (
 )
 from assessment.cli.main import main
 from assessment.project.catalogue.new_project import write_drawing
-from assessment.project.model import build_model
-from assessment.project.project import load_project
 from assessment.project.schema import ControlTable
-from assessment.results.schema.part import plain
 from assessment.results.schema.static import RigidPush
-from assessment.workflow.stages import run as analyse
 from mechanics import Assembly, Block, Material, Pushover, limit_analysis, pushdown, pushover
 from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.messages import Message, message
@@ -33,13 +29,11 @@ from mechanics.procedures import limit_in
 from tests.support.analysed import SETTLED, analysed
 from tests.support.block_project import (
     ASSESSMENT,
-    PROJECT,
     PUSHED,
     TURNED,
     block,
     read_results,
     run,
-    write_block,
 )
 from tests.support.random_masonry import small_wall
 from tests.support.structures import block_on_base, column, on_base, rectangle
@@ -249,16 +243,6 @@ def test_every_state_and_direction_of_a_run_has_it(state, direction):
     assert found["alpha_linear_program"] == pytest.approx(found["alpha_program"], rel=1e-6)
     difference = found["alpha_linear_program"] / found["alpha_program"] - 1.0
     assert found["relative_difference"] == pytest.approx(difference, abs=1e-15)
-
-
-def test_with_coulomb_friction_the_associative_multiplier_is_compared(tmp_path):
-    """A block that slides: the law of the run is kept apart, and what is compared is named in the results."""
-    text = PROJECT.replace("[material]", '[contacts]\nsliding = "coulomb"\n\n[material]')
-    project = load_project(write_block(tmp_path / "block", text))
-    results = plain(analyse(project, build_model(project), jobs=1).results)
-    rigid = results["states"]["original"]["pushover"]["+x"]["rigid"]
-    assert rigid["sliding"] == "coulomb"
-    assert rigid["second_solver"]["alpha_linear_program"] == pytest.approx(1.0 / 7.0, rel=1e-9)
 
 
 @pytest.mark.parametrize(("share", "warned"), [(5e-7, False), (-2e-6, True)])

@@ -23,7 +23,7 @@ from assessment.runtime.tasks import Workers
 from assessment.workflow.stages import run
 from mechanics import Assembly, Block, Material, State, pushdown, pushover
 from mechanics.messages import message
-from tests.support.block_project import ASSESSMENT, PROJECT, write_block
+from tests.support.block_project import ASSESSMENT, PROJECT, results_of, write_block
 from tests.support.results_example import results_example
 from tests.support.structures import arch_on_piers, block_on_base, built, rectangle
 from tests.support.typed import typed
@@ -193,7 +193,7 @@ def test_a_beam_that_unseats_is_followed_from_the_drawing(tmp_path):
     write_drawing(tmp_path / "geometry.dxf", beam_on_piers(0.4))
     (tmp_path / "project.toml").write_text("scatter = 1\n" + BEAM + ASSESSMENT, encoding="utf-8")
     project = load_project(tmp_path)
-    results = plain(run(project, build_model(project), jobs=1).results)
+    results = results_of(project)
     rigid = results["states"]["original"]["pushover"]["+x"]["rigid"]
     loss = rigid["local_loss"]
     assert loss["displacement_m"] == pytest.approx(0.04994, rel=5e-3)

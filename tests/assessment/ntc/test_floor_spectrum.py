@@ -11,9 +11,7 @@ from assessment.ntc.capacity_curve import capacity_curve, fit_curve, fit_rigid
 from assessment.ntc.floor_spectrum import FloorSpectrum, FloorSpectrum2009, Mode, first_mode
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.verification import Method, verify
-from assessment.results.schema.part import plain
-from assessment.workflow.stages import run
-from tests.support.block_project import HAZARD, PUSHED, block, write_block
+from tests.support.block_project import HAZARD, PUSHED, block, results_of, write_block
 from tests.support.trace_check import recomputed
 
 PERIODS = np.concatenate([[0.0], np.geomspace(0.01, 12.0, 400)])
@@ -116,7 +114,6 @@ def test_modes_are_added_by_the_root_of_their_squares_by_hand():
 @pytest.mark.parametrize("circular", [2019, 2009])
 def test_a_height_of_zero_means_the_ground(tmp_path, circular):
     """It divided by zero."""
-    from assessment.project.model import build_model
     from assessment.project.project import load_project
 
     site = f'[assessment.site]\nsoil = "B"\n{HAZARD}'
@@ -126,7 +123,7 @@ def test_a_height_of_zero_means_the_ground(tmp_path, circular):
     found = []
     for name, text in (("ground", tables + site), ("floor", tables + floor + site)):
         project = load_project(write_block(tmp_path / name, block() + PUSHED + text))
-        results = plain(run(project, build_model(project), jobs=1).results)
+        results = results_of(project)
         found.append(results["states"]["original"]["capacity"]["+x"])
         assert {content["kind"] for content in results["spectra"].values()} == {"ground"}
     assert found[0] == found[1]

@@ -5,16 +5,13 @@ import pytest
 from assessment.ntc.spectrum import ElasticSpectrum
 from assessment.ntc.tables import COMPONENTS, confidence_factor, psi_2
 from assessment.ntc.verification import vertical_component
-from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.chapters.remarks import vertical as vertical_sentences
 from assessment.report.language import Words
 from assessment.report.tables.capacity import vertical
 from assessment.report.tables.structure import reported_loads
-from assessment.results.schema.part import plain
-from assessment.workflow.stages import run
 from mechanics import Assembly, Block, Material, limit_analysis
-from tests.support.block_project import ASSESSMENT, PROJECT, write_block
+from tests.support.block_project import ASSESSMENT, PROJECT, results_of, write_block
 from tests.support.structures import rectangle
 from tests.support.trace_check import recomputed
 from tests.support.typed import typed
@@ -49,10 +46,6 @@ def project(folder, *replaced, text=PROJECT + ASSESSMENT):
     return load_project(write_block(folder, text))
 
 
-def results(project):
-    return plain(run(project, build_model(project), jobs=1).results)
-
-
 def test_table_of_the_standard():
     """NTC 2018, Tab. 2.5.I: dwellings 0.3, crowds 0.6, archives 0.8, roofs 0; I and K only as the designer judges."""
     assert [psi_2(category, None) for category in "ABCDEFGH"] == [0.3, 0.3, 0.6, 0.6, 0.8, 0.6, 0.3, 0.0]
@@ -63,7 +56,7 @@ def test_table_of_the_standard():
 
 def test_permanent_and_variable_loads_are_combined(tmp_path):
     """G_1 = 45.36 kN, G_2 = 6 kN, Q = 10 kN of category C: 45.36 + 6 + 0.6·10 = 57.36 kN, all of it mass."""
-    found = results(project(tmp_path))
+    found = results_of(project(tmp_path))
     [row] = found["loads"]
     assert (row["layer"], row["use_category"], row["psi_2"]) == ("BLOCCO", "C", 0.6)
     assert row["own_weight_kN"] == pytest.approx(OWN)
@@ -114,14 +107,14 @@ def test_vertical_leading_governs_beyond_077_g():
     ],
 )
 def test_vertical_component_that_is_not_checked_is_told(tmp_path, replaced, key):
-    found = results(project(tmp_path, replaced))
+    found = results_of(project(tmp_path, replaced))
     assert "vertical" not in found["states"]["original"]["capacity"]["+x"]
     [told] = vertical_sentences(typed(found), Words.of("en"))
     assert key in told
 
 
 def test_the_vertical_component_is_checked_from_0_15_g_on(tmp_path):
-    found = results(project(tmp_path, ("ag_g = 0.261", "ag_g = 0.151")))
+    found = results_of(project(tmp_path, ("ag_g = 0.261", "ag_g = 0.151")))
     assert found["states"]["original"]["capacity"]["+x"]["vertical"]["a_v_g"] > 0.0
 
 

@@ -12,14 +12,12 @@ import pytest
 from assessment.analyses.demand import demand_return_periods
 from assessment.cli.main import main
 from assessment.project.catalogue.new_project import TEMPLATES, new_project
-from assessment.project.model import build_model
 from assessment.project.problems import matches
 from assessment.project.project import json_schema, load_project
 from assessment.project.schema import ProjectContent, entries_of, keys_at, table_at, tables_of
 from assessment.results.summary import printed
 from assessment.runtime.errors import ProjectError
-from assessment.workflow.stages import run
-from tests.support.block_project import PROJECT, write_block
+from tests.support.block_project import PROJECT, outcome_of, write_block
 from tests.support.contract_project import CONTRACT, MINIMAL, load, write_named_files
 
 
@@ -169,7 +167,7 @@ def test_one_that_contradicts_them_is_refused(tmp_path):
 @pytest.mark.parametrize(("period", "known"), [("", False), (", return_period_years = 475", True)])
 def test_without_one_they_are_not_printed_and_no_index_rests_on_them(tmp_path, period, known):
     content = project(tmp_path, period)
-    results = run(content, build_model(content), jobs=1).results
+    results = outcome_of(content).results
     site = printed(results.echo)["assessment"]["site"]
     assert {"nominal_life_years", "use_class"} <= site.keys() if known else "use_class" not in site
     indices = results.states["original"].indices

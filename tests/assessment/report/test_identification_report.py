@@ -6,7 +6,6 @@ import tomllib
 import numpy as np
 import pytest
 
-from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.project.schema import SettlementTable
 from assessment.report.chapters.judgement import told
@@ -18,7 +17,7 @@ from assessment.results.joint_states import outlines
 from assessment.results.summary import fits
 from assessment.studies import identification
 from assessment.workflow.run import select
-from assessment.workflow.stages import run
+from tests.support.block_project import outcome_of
 from tests.support.pictured import pages_of
 from tests.support.surveyed_arch import PIER, SPRINGING, entry, write_surveyed
 
@@ -36,7 +35,7 @@ def outcome(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:  # the joints only open: increments tell nothing
         for name, value in {"FARTHEST": 2.0, "COARSE": 5, "FINE": 10}.items():
             patch.setattr(identification, name, value)
-        return run(project, build_model(project), jobs=1)
+        return outcome_of(project)
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,6 @@ import json
 import numpy as np
 import pytest
 
-from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.chapters.grids import macro_block_grids, printed_tables
 from assessment.report.document import tables
@@ -14,9 +13,8 @@ from assessment.report.figures.drawing import draw_model
 from assessment.report.language import Words
 from assessment.report.viewer import viewer
 from assessment.results.schema.part import plain
-from assessment.workflow.stages import run
 from mechanics.pictures import TIE
-from tests.support.block_project import HAZARD, PUSHED, TURNED, block, write_block
+from tests.support.block_project import HAZARD, PUSHED, TURNED, block, outcome_of, write_block
 from tests.support.judgement.claims import hold
 from tests.support.pictured import pages_of
 from tests.support.tied_project import ASSOCIATIVE, HEIGHT, overturning, strengthening, tie
@@ -36,7 +34,7 @@ TEXT = (
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     project = load_project(write_block(tmp_path_factory.mktemp("ties") / "block", TEXT))
-    return run(project, build_model(project), jobs=1).results
+    return outcome_of(project).results
 
 
 @pytest.fixture(scope="module")

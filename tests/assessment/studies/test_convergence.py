@@ -15,13 +15,11 @@ from assessment.project.catalogue.new_project import new_project
 from assessment.project.model import build_model
 from assessment.project.project import Project, load_project
 from assessment.project.schema import PushoverTable, SettlementTable
-from assessment.results.schema.part import plain
 from assessment.results.schema.static import Pushovers, RigidPush
 from assessment.runtime.tasks import Workers
 from assessment.studies.convergence import converge, estimated_error
-from assessment.workflow.stages import run
 from tests.assessment.studies.test_studies import ASSESSMENT, BLOCK, HEIGHT, PUSHOVER, SLENDERNESS, TURNS
-from tests.support.block_project import write_block
+from tests.support.block_project import results_of, write_block
 from tests.support.typed import made
 
 SOLVER = 1e-6  # relative: what programs leave, whatever the increments
@@ -36,10 +34,6 @@ def block(tmp_path):
         return load_project(write_block(tmp_path, text + "".join(tables)))
 
     return written
-
-
-def results_of(project) -> dict:
-    return plain(run(project, build_model(project), jobs=1).results)
 
 
 # The estimate

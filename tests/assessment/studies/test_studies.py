@@ -15,7 +15,7 @@ from assessment.results.schema.studies import SensitivityRun
 from assessment.studies.variants import scatter, with_factor, without_effect
 from assessment.workflow.stages import run
 from mechanics import limit_analysis
-from tests.support.block_project import block, write_block
+from tests.support.block_project import block, outcome_of, write_block
 from tests.support.typed import made
 
 WIDTH, HEIGHT = 0.6, 4.2
@@ -99,7 +99,7 @@ def test_a_sweep_follows_the_closed_form(project):
 def test_a_movement_that_follows_another_is_drawn_from_where_that_ends(project):
     """It was drawn from the capacity as drawn: of a movement there and back the figure showed no loss."""
     asked = project(BLOCK + TURNS.replace('"turned back"', '"turned back"\nafter = "turned"') + PUSHOVER)
-    found = run(asked, build_model(asked), 1).results
+    found = outcome_of(asked).results
     lines = draw_scenarios(found, words_of(found)).axes[0].get_lines()
     way = 1000.0 * math.hypot(0.6, 0.15)
     ends = [line.get_xdata()[[0, -1]] for line in lines if str(line.get_label()).startswith("turned back, ")]

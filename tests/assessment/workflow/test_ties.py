@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from assessment.analyses import paths as settlement
-from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.chapters.judgement import told
 from assessment.report.chapters.synthesis import lead
@@ -16,10 +15,9 @@ from assessment.report.tables.mechanisms import balance
 from assessment.results.frames import tie_ends
 from assessment.results.hand_check import hand_checks
 from assessment.results.schema import Results
-from assessment.workflow.stages import run as analyse
 from mechanics import Material, Tie, UnstableError, time_history
 from mechanics.messages import message
-from tests.support.block_project import ASSESSMENT, HAZARD, PUSHED, TURNED, block, write_block
+from tests.support.block_project import ASSESSMENT, HAZARD, PUSHED, TURNED, block, outcome_of, write_block
 from tests.support.structures import built
 from tests.support.tied_project import (
     ASSOCIATIVE,
@@ -51,7 +49,7 @@ def results_of(folder, text: str, acceleration=None) -> Results:
     if acceleration is not None:
         np.savetxt(folder / "push.csv", np.column_stack([SLOW, acceleration]), delimiter=",", fmt="%.8f")
     project = load_project(folder)
-    return analyse(project, build_model(project), jobs=1).results
+    return outcome_of(project).results
 
 
 def shaken(folder, text: str) -> Results:
@@ -155,7 +153,7 @@ def test_a_strengthening_whose_structure_has_no_rest_is_not_pushed_as_drawn(tmp_
     monkeypatch.setattr(settlement, "settled", restless)
     text = block() + BOTH.replace('["rigid"]', '["elastic"]') + tie(states='["strengthened"]')
     project = load_project(write_block(tmp_path, text + strengthening("original")))
-    found = analyse(project, build_model(project), jobs=1)
+    found = outcome_of(project)
     assert "+x" not in (found.results.states["strengthened"].pushover or {})
     assert not found.complete
     assert any("strengthened" in each and "not solved" in each for each in found.results.quality.warnings)

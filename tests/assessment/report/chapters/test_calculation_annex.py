@@ -18,11 +18,9 @@ from assessment.report.chapters.grids import traces, typeset
 from assessment.report.language import Words, words_of
 from assessment.report.tables.capacity import trace, verification
 from assessment.results.schema import as_bytes
-from assessment.results.schema.part import plain
 from assessment.results.summary import summary_of
 from assessment.workflow.checking import read_motions
-from assessment.workflow.stages import run
-from tests.support.block_project import HAZARD, TURNED, block
+from tests.support.block_project import HAZARD, TURNED, block, outcome_of, results_of
 from tests.support.trace_check import from_csv, from_report, printed, recomputed
 from tests.support.typed import typed
 
@@ -93,7 +91,7 @@ def outcomes(tmp_path_factory):
     hazard_files(folder)
     (folder / "project.toml").write_text(PROJECT, encoding="utf-8")
     project = load_project(folder)
-    pushed = run(project, build_model(project), jobs=1).results
+    pushed = outcome_of(project).results
     found = {}
     for name, text in VARIANTS.items():
         (folder / "project.toml").write_text(PROJECT + text, encoding="utf-8")
@@ -246,7 +244,7 @@ def test_zeta_does_not_know_the_unit_of_the_drawing(tmp_path):
             text + '[assessment]\nmodel = "none"\n' + TYPED, encoding="utf-8"
         )
         project = load_project(folder)
-        found[unit] = plain(run(project, build_model(project), jobs=1).results)
+        found[unit] = results_of(project)
     rows = [verification(typed(found[unit])).rows for unit in ("m", "mm")]
     assert len(rows[0]) == 16
     for one, other in zip(*rows, strict=True):

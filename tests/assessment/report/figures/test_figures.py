@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.report.figures.curves import ELASTIC, draw_pushdown, draw_spectra
 from assessment.report.figures.deformed import draw_settlement, round_force
@@ -16,9 +15,8 @@ from assessment.report.figures.drawing import MM, SCALES, sheet, typeset
 from assessment.report.language import words_of
 from assessment.report.tables.mechanisms import elastic_capacity
 from assessment.results.joint_states import outlines
-from assessment.workflow.stages import run
 from mechanics.pictures import STYLE, Shape, magnification, nice
-from tests.support.block_project import TURNED, write_block
+from tests.support.block_project import TURNED, outcome_of, write_block
 from tests.support.block_project import block as tables_of_block
 from tests.support.results_example import results_example
 from tests.support.typed import typed
@@ -46,7 +44,7 @@ def turned(request, tmp_path_factory):
     """A rotation, and the results of a block whose base turns by it about its centre, without a displacement."""
     text = tables_of_block() + TURNED.replace("-0.02", str(request.param)).replace("0.01", "0.004")
     project = load_project(write_block(tmp_path_factory.mktemp("turned") / "block", text))
-    return request.param, run(project, build_model(project), jobs=1).results
+    return request.param, outcome_of(project).results
 
 
 def base_of(results):
