@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mechanics.errors import DrawingError, FaultyDrawingError
 from mechanics.model.block import Block, Material
-from mechanics.model.layout import survey_layout, touching
+from mechanics.model.layout import depth_of, survey_layout, touching
 
 STONE = Material(18.0)
 TOLERANCE = 1e-3
@@ -86,6 +87,14 @@ def test_overlaps_within_the_tolerance_are_none(depth, wrong):
         assert "overlap" in error(blocks)
     else:
         assert check_layout(blocks, TOLERANCE) == ()
+
+
+@pytest.mark.parametrize(
+    ("other", "depth"), [((0.5, 0.98, 2.0, 2.0), 0.02), ((0.0, 0.98, 1.0, 2.0), 0.02 / 1.02)]
+)
+def test_the_depth_of_an_overlap(other, depth):
+    """That of a corner in the other block; where none is, 2A/p of what both share: 2 · 0.02/(2 · 1.02)."""
+    assert depth_of(shapely.box(0.0, 0.0, 1.0, 1.0), shapely.box(*other)) == pytest.approx(depth, rel=1e-6)
 
 
 def test_duplicate_with_other_start_and_extra_vertices():
