@@ -5,8 +5,6 @@ import multiprocessing
 import os
 import signal
 import sys
-from pathlib import Path
-from types import SimpleNamespace
 
 # before NumPy is loaded, also by processes begun here: two tests at a time fill two cores, and threads of the BLAS that
 # wait for each other took a twentieth of the processor time
@@ -18,6 +16,7 @@ from hypothesis import HealthCheck, settings
 from assessment.report.figures import index as figures
 from assessment.runtime import pool, tasks
 from tests.support.block_project import write_block
+from tests.support.products import draw_nothing, print_nothing
 
 # hundreds of processes begin here: what they import is compiled once, also where the environment keeps no byte code
 sys.dont_write_bytecode = False
@@ -81,14 +80,6 @@ def no_figures(monkeypatch):
 @pytest.fixture
 def quick(monkeypatch, request):
     """One empty figure, and a PDF that only looks like one (the real ones: see test_figures, test_report)."""
-
-    def blank(_pool: object, folder: Path) -> None:
-        folder.mkdir()
-        (folder / "model.svg").write_text("<?xml?>", encoding="utf-8")
-
+    print_nothing(monkeypatch)
     if "drawn" not in request.fixturenames:
-        monkeypatch.setattr(figures, "write_figures", blank)
-        monkeypatch.setattr(figures, "write_images", lambda *_: [])
-    empty = SimpleNamespace(pages=[])  # heights of blocks cannot be told: figures stay where they are
-    printed = SimpleNamespace(write_pdf=lambda: b"%PDF-", render=lambda: empty)
-    monkeypatch.setitem(sys.modules, "weasyprint", SimpleNamespace(HTML=lambda string: printed))
+        draw_nothing(monkeypatch)

@@ -3,20 +3,18 @@
 import json
 import random
 import shutil
-import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 from assessment.cli.main import main
-from assessment.report.figures import index as figures
 from assessment.runtime.cache import FOLDER
 from assessment.workflow import run as output
 from assessment.workflow import stages as workflow
 from assessment.workflow.run import ENTRY
 from tests.support.block_project import PROJECT, command, edit, read_results, timeless, write_block
 from tests.support.every_stage import REPORT
+from tests.support.products import draw_nothing, print_nothing
 
 CLIENT = 'client = "Parish"\n'
 
@@ -24,19 +22,12 @@ CLIENT = 'client = "Parish"\n'
 @pytest.fixture(autouse=True)
 def _quick(monkeypatch):
     """Figures that are as good as empty, PDF and Word files that only look like one, and one process."""
-    _draw_nothing(monkeypatch)
+    _make_nothing(monkeypatch)
 
 
-def _draw_nothing(monkeypatch):
-    def blank(_: object, folder: Path) -> None:
-        folder.mkdir()
-        (folder / "model.svg").write_text("<?xml?>", encoding="utf-8")
-
-    empty = SimpleNamespace(pages=[])  # heights of blocks cannot be told: the page stays as it is
-    printed = SimpleNamespace(write_pdf=lambda: b"%PDF-", render=lambda: empty)
-    monkeypatch.setitem(sys.modules, "weasyprint", SimpleNamespace(HTML=lambda string: printed))
-    monkeypatch.setattr(figures, "write_figures", blank)
-    monkeypatch.setattr(figures, "write_images", lambda *_: [])
+def _make_nothing(monkeypatch):
+    draw_nothing(monkeypatch)
+    print_nothing(monkeypatch)
     monkeypatch.setattr("assessment.report.document.pictures", lambda _: [])
     monkeypatch.setattr("assessment.report.docx.to_docx", lambda page, _: page.encode())
     monkeypatch.setattr(output, "processes", lambda _: 1)
@@ -46,7 +37,7 @@ def _draw_nothing(monkeypatch):
 def finished(tmp_path_factory):
     """A project with a title page, run once."""
     with pytest.MonkeyPatch.context() as patch:
-        _draw_nothing(patch)
+        _make_nothing(patch)
         folder = write_block(tmp_path_factory.mktemp("finished") / "block", PROJECT + REPORT + CLIENT)
         assert main(["run", str(folder), "--jobs", "1"]) == 0
     return folder
