@@ -27,12 +27,6 @@ from tests.support.structures import (
 )
 
 
-def test_a_block_rocks_at_b_over_h_or_slides_at_mu():
-    """0.2 × 1.0 m: α = min(B/H, μ)."""
-    assert static_theorem(block_on_base(friction=0.6)) == pytest.approx(0.2, rel=1e-9)
-    assert static_theorem(block_on_base(friction=0.15), "-x") == pytest.approx(0.15, rel=1e-9)
-
-
 @pytest.mark.parametrize("direction", ["+x", "-x"])
 @pytest.mark.parametrize(
     "model",
