@@ -223,6 +223,13 @@ def test_local_limit():
     assert (near.d_star_m, near.governing) == (pytest.approx(0.07), "local limit")
 
 
+def test_the_blocks_and_the_point_lead_to_each_other_between_points_of_a_way_and_beyond():
+    """0.7 m at 1 m, 1 m at 2 m: 0.85 m at 1.5 m, and beyond the last point in its proportion of a half."""
+    way = Way(np.array([0.0, 1.0, 2.0]), np.array([0.0, 0.7, 1.0]))
+    assert way.blocks([0.0, 1.5, 3.0]) == pytest.approx([0.0, 0.85, 1.5])
+    assert way.control_point([0.0, 0.85, 1.5]) == pytest.approx([0.0, 1.5, 3.0])
+
+
 def test_the_end_of_the_elastic_curve_governs_where_it_comes_first():
     """d_0* = 0.3 m; elastic contacts fall at 0.3 m of the control point: d = 0.3·0.5 = 0.15 m < 0.18 m, not < 0.12 m.
 
@@ -372,6 +379,7 @@ def test_mechanism_at_height_2009():
     assert top.acceleration(0.0) == pytest.approx(0.432)
     assert floor.acceleration(0.5) == pytest.approx(0.216 / 0.02**0.5), "in resonance"
     assert top.displacement(1.0) == pytest.approx(0.105227, rel=1e-5)
+    assert top.demand_steps(0.0, 1.0)[-1].result == top.displacement(1.0)
     assert floor.displacement(1.268965) == SOIL_A.displacement(1.268965)
 
 
