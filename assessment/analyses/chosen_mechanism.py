@@ -247,7 +247,12 @@ def assess_chosen(
         try:
             if project.settlement_of(chosen.state) and not any(map(any, state.configuration)):
                 raise MechanismError(message("its state was not reached"))
-            controls = _controls(project, model, positions)
+            controls: dict[str, FollowedPoint] = {}  # where each control point of the pushover is
+            for direction in project.pushover.directions if project.pushover else ():
+                point = project.pushover_control(direction).point_m
+                block = model.block_at(point)
+                x, z = (model.from_origin(point) + model.point_displacement(point, block, positions)).tolist()
+                controls[direction] = FollowedPoint((x, z), block)
             answer = evaluate(model, positions, chosen, factor, demands.spectra, method, controls, source)
             pushed = state.pushover.get(known(answer.direction))
             rigid = pushed.rigid if pushed else None
@@ -273,14 +278,3 @@ def refused_as_drawn(project: Project, model: StateModel) -> Iterator[Message]:
                 begun(model.assembly, model.assembly.initial.positions, chosen)
             except (MechanismError, CapacityError) as refusal:
                 yield _of_mechanism(chosen.name, refusal)
-
-
-def _controls(project: Project, model: Assembly, positions: Array) -> dict[str, FollowedPoint]:
-    """Return the control point of each pushover direction at its place in a configuration (b, 3)."""
-    found: dict[str, FollowedPoint] = {}
-    for direction in project.pushover.directions if project.pushover else ():
-        point = project.pushover_control(direction).point_m
-        block = model.block_at(point)
-        x, z = (model.from_origin(point) + model.point_displacement(point, block, positions)).tolist()
-        found[direction] = FollowedPoint((x, z), block)
-    return found

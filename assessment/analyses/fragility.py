@@ -13,12 +13,12 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import erfcx, log_ndtr, ndtri
 
-from assessment.ntc.tables import ENOUGH, MEAN_FROM
+from assessment.ntc.tables import ENOUGH
 from mechanics.types import Array, Mask
 
 PROBABILITIES = (0.16, 0.5, 0.84)
@@ -102,29 +102,12 @@ class Standard(NamedTuple):
 
     mean: float | None
     lowest: float | None
-    rule: Literal["mean", "lowest"] | None
+    rule: str | None
 
     @property
     def pga(self) -> float | None:
         """The PGA that counts, g; of too few records the lowest, which is no value of the standard."""
         return self.mean if self.rule == "mean" else self.lowest
-
-
-def standard_value(records: Sequence[tuple[float | None, float | None]]) -> Standard:
-    """Return the PGA at collapse by NTC 2018 §7.3.5; `records`: PGA at collapse and largest safe PGA of each, g.
-
-    §7.3.5 [k]: with seven records or more the mean of the effects counts, with three to six the
-    most unfavourable: the lowest PGA at collapse. With fewer there is no rule. A mean or lowest that a record without
-    collapse leaves undecided is None.
-    """
-    found = [collapse for collapse, _ in records if collapse is not None]
-    withstood = [safe for collapse, safe in records if collapse is None]
-    mean = float(np.mean(found)) if found and not withstood else None
-    lowest = min(found, default=None)
-    if any(safe is None or safe < (lowest or 0.0) for safe in withstood):
-        lowest = None
-    enough = len(records) >= ENOUGH
-    return Standard(mean, lowest, ("mean" if len(records) >= MEAN_FROM else "lowest") if enough else None)
 
 
 @dataclass(frozen=True)
@@ -198,8 +181,14 @@ def _dispersion(fitted: Callable[[Array], tuple[Array, ...]], records: Sequence[
     if weights is None:
         return Dispersion(median, beta, beta_record, within, None, None)
     medians, betas, *_ = fitted(weights)
+    band = []
+    for p in BAND:
+        with np.errstate(all="ignore"):
+            low, high = confidence(medians * np.exp(betas * float(ndtri(p))))
+        if low is not None and high is not None:
+            band.append((p, low, high))
     ranges = confidence(medians), confidence(betas)
-    return Dispersion(median, beta, beta_record, within, *ranges, band_of(medians, betas))
+    return Dispersion(median, beta, beta_record, within, *ranges, tuple(band))
 
 
 class Lognormal(NamedTuple):
@@ -333,17 +322,6 @@ def _ratio(eta: Array) -> Array:
     """Return φ/Φ at `eta`, by the scaled complementary error function: accurate far out, too."""
     with np.errstate(over="ignore"):
         return np.asarray(np.sqrt(2.0 / np.pi) / erfcx(-eta / np.sqrt(2.0)))
-
-
-def band_of(median: Array, beta: Array) -> tuple[tuple[float, float, float], ...]:
-    """Return each probability of BAND with the bounds of the level that has it; `median` and `beta` (s,) of samples."""
-    found = []
-    for p in BAND:
-        with np.errstate(all="ignore"):
-            low, high = confidence(median * np.exp(beta * float(ndtri(p))))
-        if low is not None and high is not None:
-            found.append((p, low, high))
-    return tuple(found)
 
 
 def confidence(values: Array) -> list[float | None]:

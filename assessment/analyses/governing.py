@@ -180,8 +180,14 @@ def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess
         if not pushed:
             continue
         value = checked[number].value
-        chosen = value.curves if value else followed[number]
-        pushover[direction] = _with_curves(chosen, number, followed, len(runs))
+        pushover[direction] = chosen = value.curves if value else followed[number]
+        if len(runs) > 1:  # with the ranges of all runs, and the curves of the others
+            with_ranges: dict[Behaviour, RigidPush | ElasticPush] = {}
+            for behaviour, curve in chosen.by_contacts.items():
+                of = {k: push for k, each in enumerate(followed) if (push := each.by_contacts.get(behaviour))}
+                curve = curve.replace(members=[each.curve for k, each in of.items() if k != number])  # noqa: PLW2901
+                with_ranges[behaviour] = _ranged(curve, QUANTITIES, list(of.values()), len(runs))
+            pushover[direction] = chosen.replace(**with_ranges)
         if value is not None:
             others = [each.value.capacity.checks for each in checked if each.value]
             checks = {}
@@ -231,18 +237,6 @@ def _least_capacity(runs: Sequence[Pushovers], checked: Sequence[Found[Assessed]
         alpha = [inf if far == inf else each for each, far in zip(alpha, d_0, strict=True)]
     agreeing = [k for k, each in enumerate(alpha) if each <= min(alpha) * (1.0 + ENSEMBLE.agree)]
     return min(agreeing, key=lambda k: d_0[k])
-
-
-def _with_curves(chosen: Pushovers, number: int, runs: Sequence[Pushovers], count: int) -> Pushovers:
-    """Return the curves of the run of that number, with the ranges of all and the curves of the others."""
-    if count == 1:
-        return chosen
-    found: dict[Behaviour, RigidPush | ElasticPush] = {}
-    for behaviour, curve in chosen.by_contacts.items():
-        by_run = {k: push for k, each in enumerate(runs) if (push := each.by_contacts.get(behaviour))}
-        others = [each.curve for k, each in by_run.items() if k != number]
-        found[behaviour] = _ranged(curve.replace(members=others), QUANTITIES, list(by_run.values()), count)
-    return chosen.replace(**found)
 
 
 def _ranged(part: Ranged, names: Sequence[str], runs: Sequence[Part], count: int) -> Ranged:

@@ -112,20 +112,17 @@ def local_loss(
     `displacement` (k,) m of the points `states`, between which the loss is interpolated, or that of the last one if the
     structure `falls` as the faces part; `normal` (k, j), kN, by which joints carry. None if there is no loss.
     """
-    parted = _parted(model, states, displacement, normal, falls)
-    lost = [*_broken(model, states, displacement), *([parted] if parted else [])]
-    return min(lost, key=lambda each: each.displacement_m, default=None)
-
-
-def _broken(model: Assembly, states: Sequence[State], displacement: Array) -> Iterator[LocalLoss]:
-    none = np.zeros(len(model.ties))
+    lost, none = [], np.zeros(len(model.ties))
     longer = np.array([none if state.lengthened is None else state.lengthened for state in states])
     for tie, blocks, yielded in zip(model.ties, model.tie_blocks.tolist(), longer.T, strict=True):
         if yielded[-1] > tie.longest:
             far = float(np.interp(tie.longest, yielded, displacement))
-            yield LocalLoss(
+            lost.append(LocalLoss(
                 displacement_m=far, joint=None, blocks=blocks, overlap_m=None, tie=tie.name, longest_m=tie.longest
-            )  # fmt: skip
+            ))  # fmt: skip
+    if parted := _parted(model, states, displacement, normal, falls):
+        lost.append(parted)
+    return min(lost, key=lambda each: each.displacement_m, default=None)
 
 
 def _parted(

@@ -225,23 +225,17 @@ def _unanswered(shaking: Shaking, reason: str | None) -> History:
     )  # fmt: skip
 
 
-def _farthest_corner(model: Assembly, positions: Array) -> Array:
-    """Return how far (k,) m the corner that is farthest from where it began is at positions (k, b, 3)."""
-    far = np.zeros(len(positions))
-    for k, block in enumerate(model.blocks):
-        for corner in block.polygon if model.movable[k] else ():
-            at = model.point_displacement(corner, k, positions)
-            far = np.maximum(far, np.hypot(*(at - at[0]).T))
-    return far
-
-
 def _answered(shaking: Shaking, response: Response) -> History:
     """Return peak, residual, collapse, curve, configurations and energies of a response."""
     model, motion, last = shaking.model, shaking.motion, response.last
     drawn, rigid = model.initial.positions, shaking.setting.table.contacts == "rigid"
     moved, times = response.displacement, motion.start + response.time
     peak, kept = sustained_peak(moved, response.collapsed), thinned(moved)
-    gone = _farthest_corner(model, response.positions)
+    gone = np.zeros(len(times))  # m, of the corner that is farthest from where it began
+    for number, block in enumerate(model.blocks):
+        for corner in block.polygon if model.movable[number] else ():
+            at = model.point_displacement(corner, number, response.positions)
+            gone = np.maximum(gone, np.hypot(*(at - at[0]).T))
     kept_frames = snapshots(model, times, moved, response.positions, response.forces, peak)
     if rigid and model.ties:
         kept_frames = kept_frames.replace(tie_kN=None)

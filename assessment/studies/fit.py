@@ -8,7 +8,7 @@ Lewis and Torczon, SIAM Review 45, 2003). Standard errors rest on slopes that tw
 and on those beyond kinks.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -78,12 +78,6 @@ class Unknowns:
             if 0 < np.count_nonzero(u) <= most and (self.bounded(u) == u).all():
                 found.append(u / np.linalg.norm(u))
         return found
-
-
-def unknowns_of(hypothesis: Mapping[str, Sequence[str]], lever: float, downward_only: bool) -> Unknowns:
-    """Return the unknowns of a hypothesis of the project file: its supports, each with its components."""
-    components = ((at, name) for at, own in hypothesis.items() for name in COMPONENTS if name in own)
-    return Unknowns(tuple(components), lever, downward_only)
 
 
 Predict = Callable[[Sequence[Array]], Sequence[Array | None]]

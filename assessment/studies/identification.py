@@ -34,9 +34,12 @@ IN_IT = 0.3  # of a unit vector: a component that takes part in a movement that 
 def open_movements(unknowns: fitting.Unknowns, directions: Array) -> list[Message]:
     """Return in words the movements, unit vectors (d, n) at right angles, that are not determined."""
     free = np.linalg.norm(directions, axis=0) > np.sqrt(1.0 - IN_IT**2)
-    alone = [_component(*unknowns.components[k]) for k in np.flatnonzero(free)]
-    together = np.linalg.svd(np.where(free, 0.0, directions))[2][: len(directions) - len(alone)]
-    return [*alone, *(_together(unknowns, direction) for direction in together)]
+    found = [_component(*unknowns.components[k]) for k in np.flatnonzero(free)]
+    for direction in np.linalg.svd(np.where(free, 0.0, directions))[2][: len(directions) - len(found)]:
+        pairs = zip(unknowns.components, direction, strict=True)
+        names = [_component(*each) for each, part in pairs if abs(part) > IN_IT]
+        found.append(reduce(lambda a, b: message("{first} together with {second}", first=a, second=b), names))
+    return found
 
 
 def kinked_components(unknowns: fitting.Unknowns, kinked: Mask) -> list[Message]:
@@ -51,13 +54,6 @@ def kinked_components(unknowns: fitting.Unknowns, kinked: Mask) -> list[Message]
         elif above:
             found.append(message("{component}, towards higher values", component=component))
     return found
-
-
-def _together(unknowns: fitting.Unknowns, direction: Array) -> Message:
-    """Return the components that can change together along a direction (n,)."""
-    pairs = zip(unknowns.components, direction, strict=True)
-    names = [_component(*each) for each, part in pairs if abs(part) > IN_IT]
-    return reduce(lambda a, b: message("{first} together with {second}", first=a, second=b), names)
 
 
 def _component(support: str, name: str) -> Message:
@@ -246,7 +242,10 @@ def identification(project: Project, model: Assembly, workers: Workers, study: S
     law = project.contacts.sliding
     search = MovementSearch(model, law, tuple(found), value, sigma, largest, workers, study)
     table = project.identification
-    asked = [fitting.unknowns_of(each, lever, table.downward_only) for each in table.hypotheses]
+    asked = []
+    for free in table.hypotheses:  # the components of each support
+        components = ((at, name) for at, own in free.items() for name in fitting.COMPONENTS if name in own)
+        asked.append(fitting.Unknowns(tuple(components), lever, table.downward_only))
     show, workers.show = workers.show, Show()  # one line of progress for all of their many short paths
     show.begin(stage := Stage("identification", len(asked), 0, float(len(asked))))
     hypotheses: list[parts.Explanation] = []

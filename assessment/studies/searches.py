@@ -11,7 +11,7 @@ from assessment.analyses import fragility
 from assessment.analyses.found import accuracy_of, as_part
 from assessment.analyses.scan import Reach
 from assessment.analyses.time_history import MotionInputs, least_d_0, ultimate_of
-from assessment.ntc.tables import ENOUGH
+from assessment.ntc.tables import ENOUGH, MEAN_FROM
 from assessment.project.motions import BaseMotion
 from assessment.project.project import Project
 from assessment.project.schema import ORIGINAL, CampaignTable, IncrementalTable
@@ -270,12 +270,21 @@ def worse_signs(rows: Iterable[dynamic.Scanned]) -> dict[str, dynamic.Scanned]:
 
 
 def standard_of(rows: Iterable[dynamic.Scanned]) -> fragility.Standard:
-    """Return the value by NTC 2018 §7.3.5: each record with its worse sign; mean of seven or more, else the lowest.
+    """Return the PGA at collapse by NTC 2018 §7.3.5, of each record with its worse sign.
 
-    A record of which a sign was not completed decides nothing.
+    §7.3.5 [k]: with seven records or more the mean of the effects counts, with three to six the most unfavourable: the
+    lowest PGA at collapse. With fewer there is no rule. A mean or lowest that a record without collapse leaves
+    undecided is None; one of which a sign was not completed decides nothing.
     """
-    ends = ((row.pga_collapse_g, row.pga_safe_g) for row in worse_signs(rows).values())
-    return fragility.standard_value(list(ends))
+    worse = worse_signs(rows).values()
+    found = [row.pga_collapse_g for row in worse if row.pga_collapse_g is not None]
+    withstood = [row.pga_safe_g for row in worse if row.pga_collapse_g is None]
+    mean = float(np.mean(found)) if found and not withstood else None
+    lowest = min(found, default=None)
+    if any(safe is None or safe < (lowest or 0.0) for safe in withstood):
+        lowest = None
+    rule = None if len(worse) < ENOUGH else "mean" if len(worse) >= MEAN_FROM else "lowest"
+    return fragility.Standard(mean, lowest, rule)
 
 
 def counted(rows: Sequence[dynamic.Scanned]) -> dict[str, Any]:
