@@ -24,7 +24,7 @@ from assessment.report.language import Words, joined, sentence, translated, word
 from assessment.report.printing import command, faces, load_weasyprint
 from assessment.report.tables import TABLES
 from assessment.report.tables.dynamic import fragility_model
-from assessment.report.viewer import Viewer, viewer
+from assessment.report.viewer import Code, viewer
 from assessment.results.hand_check import mechanisms
 from assessment.results.schema import Results
 from assessment.results.summary import coulomb, limit_states
@@ -86,22 +86,24 @@ def _template() -> jinja2.Template:
 
 
 def render_html(
-    results: Results, figures: Path, words: Words, edited: Markup | None = None, interactive: Viewer | None = None
+    results: Results, figures: Path, words: Words, edited: Markup | None = None, interactive: Code | None = None
 ) -> str:  # fmt: skip
     """Return the report as one self-contained page, with or without the part to step through on the screen."""
     full = results.echo.report.get("annexes") == "full"
-    drawn: dict[str, list[Embedded]] = {}  # the figures that are printed, by section
+    # the figures that are printed, by section: the file is the PNG, the content of the address the SVG; as images apart
+    # from the page their ids cannot clash
+    drawn: dict[str, list[dict[str, str]]] = {}
     for picture in pictures(results):
         if full or not picture.full:
             what = words(f"caption.{picture.caption}", **picture.fields)
             address = _address((figures / f"{picture.name}.svg").read_bytes(), "svg+xml")
-            shown = Embedded(f"figures/{picture.name}.png", what, address)
+            shown = {"file": f"figures/{picture.name}.png", "caption": what, "address": address}
             drawn.setdefault(picture.section, []).append(shown)
     attached = []  # what each shows is the name of its file, in words
     for number, name in enumerate(results.echo.report.get("attachments", ()), 1):
         file = stored(number, name)
         address = _address((figures.parent / file).read_bytes(), "png" if file.endswith("png") else "jpeg")
-        attached.append(Embedded(file, Path(name).stem.replace("_", " "), address))
+        attached.append({"file": file, "caption": Path(name).stem.replace("_", " "), "address": address})
     calculations = list(grids.traces(results, words))
     states = results.states.values()
     there: dict[str, Any] = {
@@ -119,6 +121,7 @@ def render_html(
         attached=attached,
         count={kind: itertools.count(1) for kind in ("figure", "table")},
         viewer=interactive,
+        script=Code(template("viewer.js")),
         figures=drawn,
         grids=grids.printed_tables(results, words),
         traces=calculations,
@@ -150,18 +153,6 @@ class Said:
                 found = made(self.results, self.words)
                 return list(found) if isinstance(found, Iterator) else found
         raise AttributeError(name)
-
-
-@dataclass(frozen=True)
-class Embedded:
-    """A picture of the page: its `file` in the output folder, its caption, and its content as a data address.
-
-    Of a figure the file is the PNG, the content the SVG; as images apart from the page their ids cannot clash.
-    """
-
-    file: str
-    caption: str
-    address: str
 
 
 def _address(content: bytes, kind: str) -> str:

@@ -3,7 +3,6 @@
 import base64
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,6 @@ from assessment.report.tables import moves, pushes
 from assessment.results.frames import ties_of
 from assessment.results.joint_states import CONDITIONS, IDLE, Situation, faces_of, states_of
 from assessment.results.schema import Direction, Frames, Results, Snapshots, StateResults, TieTension
-from assessment.runtime.files import template
 
 NEAR = 0.01  # of a path's reach: so far beyond its end is at its end
 
@@ -24,16 +22,8 @@ class Code(Markup):
     """What is no text: printed as it is."""
 
 
-@dataclass(frozen=True)
-class Viewer:
-    """The script of the page and its data, ready to be put between tags."""
-
-    data: Code
-    script: Code
-
-
-def viewer(results: Results, words: Words) -> Viewer | None:
-    """Return script and data of the page that steps through the paths; None where no path was kept."""
+def viewer(results: Results, words: Words) -> Code | None:
+    """Return the data of the page that steps through the paths, to be put between tags; None where none was kept."""
     paths = []
     for where, path in moves(results):
         curves = {"Rx": path.reaction_x_kN, "Rz": path.reaction_z_kN}
@@ -77,7 +67,7 @@ def viewer(results: Results, words: Words) -> Viewer | None:
         "words": dict(words.strings["viewer"]) | {"decimal_mark": words.plain("value.decimal_mark")},
     }
     text = json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
-    return Viewer(Code(text), Code(template("viewer.js")))
+    return Code(text)
 
 
 def _path(

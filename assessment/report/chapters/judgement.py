@@ -33,23 +33,25 @@ AGREEMENT = 0.01  # of the virtual-work multiplier, as in the paper
 ONE_PER_CENT = 0.01  # losses no larger have no sign worth a remark
 
 
-def draft_judgement(results: Results, words: Words) -> list[Markup]:
-    """Return sentences: acceptability, comparison with simplified assessments, margins, limits, trust in the numbers.
+def draft_judgement(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield sentences: acceptability, comparison with simplified assessments, margins, limits, trust in the numbers.
 
     All that a printed table has of a quantity is compared: no sentence may claim what a table contradicts.
     """
+    yield from findings(results, words)
+    if results.model.self_weight_stable:
+        yield from _trust(results, words)
+        yield words("judgement.limits")
+
+
+def findings(results: Results, words: Words) -> Iterator[Markup]:
+    """Yield what was found: the answer, other checks, motions, campaigns, studies, margins, ties.
+
+    Of a structure that does not stand, that it does not.
+    """
+    yield from lead(results, words)
     if not results.model.self_weight_stable:
-        return findings(results, words)
-    return [*findings(results, words), *_trust(results, words), words("judgement.limits")]
-
-
-def findings(results: Results, words: Words) -> list[Markup]:
-    """Return what was found, in sentences; of a structure that does not stand, that it does not."""
-    return [*lead(results, words), *(_found(results, words) if results.model.self_weight_stable else ())]
-
-
-def _found(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield what was found beyond the answer: other checks, motions, campaigns, studies, margins, ties."""
+        return
     # which interventions of NTC 2018, §8.4, each strengthening amounts to
     for state, found in determined_indices(results).items():
         told = []

@@ -1,6 +1,6 @@
 """The first page: the answer in sentences, the table of what was found, and what it rests on, from `summary` alone."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from itertools import groupby
 
 from markupsafe import Markup
@@ -53,27 +53,21 @@ def lead(results: Results, words: Words) -> list[Markup]:
         kind = "loss_indistinct" if loss.distinguishable is False else f"dynamic_loss{'_few' * few}"
         sentences.append(words(f"synthesis.{kind}", loss=loss.dynamic, low=low, high=high))
         sentences += of_one_sign(worst, loss, words)
-    return [each for each in (*sentences, *_broken_ties(results, words)) if each]
+    # how many lowest collapses are ties that break, which are no falls; of a movement in shares the whole one counts
+    whole = (each for each in shaken(results) if each.share in (None, 1.0))
+    for (analysis, state), of in groupby(whole, key=lambda each: (each.analysis, each.state)):
+        rows = [found for each in of for found in each.rows if found.lowest_collapse_g is not None]
+        if broken := [found.broken_tie for found in rows if found.broken_tie]:
+            ties, named = ", ".join(dict.fromkeys(broken)), words.plain(f"value.{analysis}")
+            place = {"state": state, "analysis": named, "ties": ties}
+            sentences.append(words("synthesis.tie_breaks", **place, count=len(broken), total=len(rows)))
+    return [*filter(None, sentences)]
 
 
 def of_one_sign(state: str, loss: schema.Loss, words: Words) -> list[Markup]:
     """Return a sentence that tells of which sign of the records a loss is, where the other gains."""
     ways = [way for way, lost in (loss.directions or {}).items() if lost == loss.dynamic]
     return [words("judgement.one_sign", settlement=state, direction=way) for way in ways]
-
-
-def _broken_ties(results: Results, words: Words) -> Iterator[Markup]:
-    """Yield of each analysis and state how many lowest collapses are ties that break, which are no falls.
-
-    Of a movement in shares the whole one counts.
-    """
-    whole = (each for each in shaken(results) if each.share in (None, 1.0))
-    for (analysis, state), of in groupby(whole, key=lambda each: (each.analysis, each.state)):
-        rows = [row for each in of for row in each.rows if row.lowest_collapse_g is not None]
-        if broken := [row.broken_tie for row in rows if row.broken_tie]:
-            ties, named = ", ".join(dict.fromkeys(broken)), words.plain(f"value.{analysis}")
-            counts = {"count": len(broken), "total": len(rows)}
-            yield words("synthesis.tie_breaks", state=state, analysis=named, ties=ties, **counts)
 
 
 def _of_state(results: Results, name: str, words: Words) -> Markup:
@@ -215,28 +209,25 @@ def synthesis_grid(results: Results, words: Words) -> Grid | None:
     heads |= {"static_pga_g": words("synthesis.static", limit=farthest)}
     judged = [limit for limit in limits if limit in ("SLV", "SLC")] or limits  # as `verified` of a row
     caption = words("caption.synthesis_judged" if judged else "caption.synthesis", limits=", ".join(judged))
-    cells = [_cells(results, row, first, listed, words) for row in rows]
-    return grid(Table("synthesis", cells, tuple(columns)), words, caption, heads=heads)
-
-
-def _cells(results: Results, row: SummaryRow, first: str | None, listed: Sequence[str], words: Words) -> Row:
-    """Return a row of the first page; without what it cannot have, of `listed` quantities those of another analysis."""
-    found: Row = {"state": row.state} | present({"direction": row.direction}) | {"verified": row.verified}
-    found |= {limit: written("zeta_E", check.zeta_E, words) for limit, check in row.checks.items()}
-    if row.state != ORIGINAL and first and (check := row.checks.get(first)):
-        loss = check.loss
-        same = loss is not None and check.distinguishable is False
-        found["reduction"] = words("value.indistinct") if same else None if loss is None else -loss
-    asked = {"static_pga_g": bool(row.checks), "d_0_m": row.alpha_0 is not None}
-    asked["dynamic_pga_g"] = results.states[row.state].incremental.fragility is not None
-    for name in listed:
-        if (value := getattr(row, name)) is not None or asked.get(name):
-            found[name] = value
-        elif row.direction and not name.endswith("_pga_g"):
-            found[name] = words("value.open")
-    if row.mechanism and row.direction:
-        found["mechanism"] = mechanism_name(results, row.state, row.direction, words)
-    return found
+    made = []
+    for row in rows:  # without what it cannot have: of the listed quantities those of another analysis
+        found: Row = {"state": row.state} | present({"direction": row.direction}) | {"verified": row.verified}
+        found |= {limit: written("zeta_E", check.zeta_E, words) for limit, check in row.checks.items()}
+        if row.state != ORIGINAL and first and (check := row.checks.get(first)):
+            loss = check.loss
+            same = loss is not None and check.distinguishable is False
+            found["reduction"] = words("value.indistinct") if same else None if loss is None else -loss
+        asked = {"static_pga_g": bool(row.checks), "d_0_m": row.alpha_0 is not None}
+        asked["dynamic_pga_g"] = results.states[row.state].incremental.fragility is not None
+        for name in listed:
+            if (value := getattr(row, name)) is not None or asked.get(name):
+                found[name] = value
+            elif row.direction and not name.endswith("_pga_g"):
+                found[name] = words("value.open")
+        if row.mechanism and row.direction:
+            found["mechanism"] = mechanism_name(results, row.state, row.direction, words)
+        made.append(found)
+    return grid(Table("synthesis", made, tuple(columns)), words, caption, heads=heads)
 
 
 def governing_mechanism(results: Results, words: Words) -> Markup:

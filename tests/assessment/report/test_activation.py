@@ -141,7 +141,7 @@ def test_figures_mark_the_multiplier_of_the_tables(results):
 
 
 def test_the_page_to_step_through_has_the_curves_of_the_tables(results):
-    text = viewer(results, words_of(results)).data
+    text = viewer(results, words_of(results))
     for state, direction in CASES:
         rigid = push(results, state, direction)
         along = 1000.0 * sense(direction) * abs(rigid.curve.displacement_m[rigid.mechanism.point])

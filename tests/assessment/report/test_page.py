@@ -109,7 +109,7 @@ def test_the_pdfs_page_has_no_script(tmp_path, monkeypatch):
 def test_data_cannot_close_the_script():
     results = analysed("it")
     results["geometry"]["blocks"][0]["layer"] = "</script><b>"
-    assert "</script" not in viewer(typed(results), words_of(typed(results))).data
+    assert "</script" not in viewer(typed(results), words_of(typed(results)))
 
 
 def test_the_page_asks_for_nothing_from_the_network(page, requested):

@@ -152,7 +152,7 @@ def test_ties_are_drawn_where_their_ends_are(results):
 
 
 def test_the_page_has_ties_with_their_tension_at_every_step(results):
-    data = json.loads(str(viewer(results, Words.of("it")).data))
+    data = json.loads(str(viewer(results, Words.of("it"))))
     assert [each["name"] for each in data["ties"]] == ["chain"]
     tied = [path for path in data["paths"] if "strengthened" in path["title"]]
     others = [path for path in data["paths"] if "strengthened" not in path["title"]]

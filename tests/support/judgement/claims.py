@@ -327,7 +327,7 @@ def hold(results: Results) -> list[str]:
     found_results = typed(results)
     words = words_of(found_results)
     answer = lead(found_results, words)
-    said_all = draft_judgement(found_results, words)
+    said_all = list(draft_judgement(found_results, words))
     assert said_all[: len(answer)] == answer
     for sentence in said_all[len(answer) :]:
         text = Markup(sentence).unescape().replace(NO_BREAK, " ")
