@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
-from functools import partial
 from typing import Any, Self, TypeVar, TypeVarTuple
 
 from assessment.runtime.cache import program
@@ -73,12 +72,8 @@ class Pool:
             return self.submit(function, self.held, *arguments)
         return self.submit(_apply, function, arguments)
 
-    def teller(self, number: int) -> Callable[[float | None], None]:
-        """Return what reports, in a process, the share that is done of the task of that number; None: it has ended."""
-        return partial(_tell, number)
-
     def shares(self) -> Mapping[int, float]:
-        """Return the share that is done of the tasks at work, by the numbers under which they report it."""
+        """Return the share that is done of the tasks at work, by the numbers under which they `tell` it."""
         return {int(value): value % 1.0 for board in self._board for value in board if value >= 0.0}
 
     def __enter__(self) -> Self:
@@ -97,7 +92,7 @@ class Pool:
         self._executor.shutdown(cancel_futures=True)
 
 
-def _tell(number: int, share: float | None) -> None:
+def tell(number: int, share: float | None) -> None:
     """Report, in a process of a pool, the share that is done of a task, in one cell with its number; None: ended."""
     for board in _board:
         board[number % CELLS] = NOTHING if share is None else number + min(share, 0.999)

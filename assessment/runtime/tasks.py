@@ -12,7 +12,7 @@ from itertools import repeat
 from typing import TYPE_CHECKING, Any, Self, TypeVar, TypeVarTuple
 
 from assessment.runtime.cache import Store, fingerprint, packed, returned, unpacked
-from assessment.runtime.pool import Cluster, KilledError, Pool, finished, processes
+from assessment.runtime.pool import Cluster, KilledError, Pool, finished, processes, tell
 from assessment.runtime.progress import Show, Stage
 
 if TYPE_CHECKING:
@@ -176,7 +176,10 @@ class Workers:
                     stage.finish(number, stage.known[number])
                     continue
                 stage.name([number])
-                yield number, _packed(stage.function, stage.task(number), partial(stage.hear, number))
+                yield (
+                    number,
+                    _packed(stage.function, stage.task(number), partial(stage.hear, number)),
+                )
             return
         if self.engine is None:
             # existing objects are left out of later garbage collections: 0.1 s less each, here and in the processes
@@ -192,7 +195,7 @@ class Workers:
                     if self._took(stage, number):
                         stage.finish(number, stage.known[number])
                         continue
-                    task = engine.submit(_packed, stage.function, stage.task(number), engine.teller(number))
+                    task = engine.submit(_packed, stage.function, stage.task(number), partial(tell, number))
                     futures[task] = number
 
         def look() -> None:

@@ -229,8 +229,15 @@ def proposal(path: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple
     reach = NEAR * scale * default_tolerance(drawn.blocks)
     masonry = _masonry(rings, reach)
     read = len(drawn.blocks)
-    faulty_layers = {layer_key(outline.source.layer) for outline in wrong}
-    ignored, unclosed = _no_masonry(sheet, layers[:read], masonry[:read], faulty_layers)
+    # layers to be ignored, and those of outlines with faults that show nothing else
+    open_ = {layer_key(outline.source.layer) for outline in wrong}
+    holding = {
+        layer_key(layer) for layer, is_one in zip(layers[:read], masonry[:read], strict=True) if is_one
+    }
+    named = (each.layer for each in sheet.placed if not each.hidden and each.entity.dxftype() in DRAWN)
+    shown = {layer_key(layer): layer for layer in named}
+    ignored = sorted(name for key, name in shown.items() if key not in holding | open_)
+    unclosed = sorted(name for key, name in shown.items() if key in open_ - holding)
     masonry &= ~np.isin(layers, ignored)
     walls, openings = _openings(rings, layers, masonry)
     masonry &= ~openings
@@ -320,18 +327,6 @@ def _openings(rings: Any, layers: list[str], masonry: Mask) -> tuple[list[str], 
     openings = np.zeros(len(rings), dtype=bool)
     openings[inner[chosen]] = True
     return sorted({layers[k] for k in outer[chosen].tolist()}), openings
-
-
-def _no_masonry(
-    sheet: Sheet, layers: list[str], masonry: Mask, faulty: set[str]
-) -> tuple[list[str], list[str]]:
-    """Return the layers, sorted, that are to be ignored, and the `faulty` ones that show nothing else."""
-    holding = {layer_key(layer) for layer, is_one in zip(layers, masonry, strict=True) if is_one}
-    drawn = (each.layer for each in sheet.placed if not each.hidden and each.entity.dxftype() in DRAWN)
-    shown = {layer_key(layer): layer for layer in drawn}
-    told = {key: shown[key] for key in shown.keys() - holding}
-    ignored = sorted(name for key, name in told.items() if key not in faulty)
-    return ignored, sorted(name for key, name in told.items() if key in faulty)
 
 
 def _supports(
