@@ -113,14 +113,21 @@ def demand_parts(project: Project, demands: Demands) -> dict[str, parts.DemandSp
     assessment, found, periods = known(project.assessment), {}, demand_return_periods(project)
     site, floor = assessment.site, assessment.floor
     for name, spectrum in demands.spectra.items():
-        rule = RULES.get((str(assessment.circular), name))
-        part = _ordinates(spectrum, rule.damping if rule else ACTIVATION_DAMPING)
+        rule, ground = RULES.get((str(assessment.circular), name)), ground_of(spectrum)
+        damping = rule.damping if rule else ACTIVATION_DAMPING  # that of the check
+        damped, recorded = spectrum.with_damping(damping), isinstance(spectrum, RecordSpectrum)
+        built: Literal["ground", "floor"] = "ground" if ground is spectrum else "floor"
+        part = parts.DemandSpectrum(
+            kind="record" if recorded else built, a_g_g=spectrum.ag, S=spectrum.S, pga_g=spectrum.ag * spectrum.S,
+            reference=SURFACE if recorded else ROCK, T_s=PERIODS.tolist(),
+            S_e_g=spectrum.acceleration(PERIODS).tolist(), S_De_m=spectrum.displacement(PERIODS).tolist(),
+            damping=damping, damped_S_e_g=damped.acceleration(PERIODS).tolist(),
+            damped_S_De_m=damped.displacement(PERIODS).tolist(),
+        )  # fmt: skip
         if name in periods:
             part = part.replace(return_period_years=periods[name])
-        if (ground := ground_of(spectrum)) is not None:
-            steps: list[
-                Line
-            ] = []  # how return period, hazard and, at height, the period of the building follow
+        if ground is not None:
+            steps: list[Line] = []  # of return period, hazard and, at height, the period of the building
             if demands.hazard is not None and site is not None:
                 by_life = return_period_steps(name, site.nominal_life_years, site.use_class)
                 steps = [*by_life, *demands.hazard.steps(by_life[-1].result)[1:]]
@@ -132,19 +139,6 @@ def demand_parts(project: Project, demands: Demands) -> dict[str, parts.DemandSp
             )  # fmt: skip
         found[name] = part
     return found
-
-
-def _ordinates(spectrum: Spectrum, damping: float) -> parts.DemandSpectrum:
-    """Return a spectrum at PERIODS, with 5 % damping and with that of the check."""
-    damped, recorded = spectrum.with_damping(damping), isinstance(spectrum, RecordSpectrum)
-    built: Literal["ground", "floor"] = "ground" if ground_of(spectrum) is spectrum else "floor"
-    return parts.DemandSpectrum(
-        kind="record" if recorded else built, a_g_g=spectrum.ag, S=spectrum.S, pga_g=spectrum.ag * spectrum.S,
-        reference=SURFACE if recorded else ROCK, T_s=PERIODS.tolist(),
-        S_e_g=spectrum.acceleration(PERIODS).tolist(), S_De_m=spectrum.displacement(PERIODS).tolist(),
-        damping=damping, damped_S_e_g=damped.acceleration(PERIODS).tolist(),
-        damped_S_De_m=damped.displacement(PERIODS).tolist(),
-    )  # fmt: skip
 
 
 def state_indices(

@@ -194,9 +194,7 @@ def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess
             for check, own_check in value.capacity.checks.items():
                 ranged = _ranged(own_check, CHECKED, [x[check] for x in others if check in x], len(runs))
                 low = ranged.zeta_E_range[0] if ranged.zeta_E_range else None
-                if (
-                    ranged.verified and low is not None and low < 1.0
-                ):  # verified only where the whole range is
+                if ranged.verified and low is not None and low < 1.0:  # only the whole range is verified
                     ranged = ranged.replace(verified=None)
                 checks[check] = ranged
             capacity[direction] = value.capacity.with_checks(checks)
@@ -210,9 +208,8 @@ def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess
         )]  # fmt: skip
         if failed := [stage for run in runs[1:] for stage in run if stage.failures]:
             text = failed[0].failures[0]
-            notes.append(
-                message("in {count} of the runs of the ensemble: {text}", count=len(failed), text=text)
-            )
+            said = message("in {count} of the runs of the ensemble: {text}", count=len(failed), text=text)
+            notes.append(said)
         found.warnings.extend(headed(message("{state}", state=name), note) for note in notes)
     made = state.replace(pushdown=pushdown, pushover=pushover, capacity=capacity)
     return Governed(made, found.warnings, found.runs)

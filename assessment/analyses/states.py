@@ -162,8 +162,22 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
         ))])  # fmt: skip
     results = []
     for request in requests:
-        movement = settled.get(request.movement) if request.movement else None
-        result = _result(request, movement, begun.get(request))
+        title = path_title(request.state, request.behaviour)
+        own, movement = begun.get(request), settled.get(request.movement) if request.movement else None
+        result = StateResult(request.state, request.behaviour, own, member=request.member)
+        if movement is not None:
+            result.scatters = movement.scatters
+            if request.model.strengthened is None:  # else it is of the state before
+                result.moved = movement
+                if (moved := movement.value) and request.settlement:
+                    increment = moved.path.applied_movement_m / request.settlement.increments
+                    path = moved.path.replace(run=Run(increment_m=increment, member=request.member))
+                    result.moved = replace(movement, value=replace(moved, path=path))
+            elif own is None:
+                missing = message("the state that it strengthens was not reached")
+                result.own_failures.append(headed(title, missing))
+            if own is not None and own.state is not None:
+                result.configuration = own.model.displaced(own.state).tolist()
         for way in (way for way in request.directions if (request, way) in pushed):
             found = pushed[request, way]
             if found.value is not None:
@@ -172,7 +186,6 @@ def analyse_states(requests: Sequence[Request], workers: Workers, study: str = "
             result.pushed[way] = found
             result.scatters |= found.scatters
         if request in restless:
-            title = path_title(request.state, request.behaviour)
             result.own_failures.append(headed(title, restless[request]))
         results.append(result)
     return results
@@ -320,23 +333,3 @@ def _together(request: Request, begun: Beginning) -> list[tuple[Direction, ...]]
     if mirror is None or not mirror.swaps(one, other):
         return alone
     return [request.directions]
-
-
-def _result(request: Request, settled: Found[Settled] | None, begun: Beginning | None) -> StateResult:
-    """Return the result of a request without curves; the movement before a strengthening is of the state before."""
-    result = StateResult(request.state, request.behaviour, begun, member=request.member)
-    if settled is not None:
-        result.scatters = settled.scatters
-        if request.model.strengthened is None:
-            result.moved = settled
-            if (moved := settled.value) and request.settlement:
-                increment = moved.path.applied_movement_m / request.settlement.increments
-                path = moved.path.replace(run=Run(increment_m=increment, member=request.member))
-                result.moved = replace(settled, value=replace(moved, path=path))
-        elif begun is None:
-            title = path_title(request.state, request.behaviour)
-            missing = message("the state that it strengthens was not reached")
-            result.own_failures.append(headed(title, missing))
-    if begun is not None and begun.state is not None and settled is not None:
-        result.configuration = begun.model.displaced(begun.state).tolist()
-    return result
