@@ -83,10 +83,8 @@ def draw_synthesis(results: Results, words: Words, settled: str | None, governin
     if settled:
         parts.draw_ties(page, axes, tie_ends(results, settled, at, times))
         parts.movement_arrow(page, axes, shape, results, known(results.states[settled].settlement))
-    if mechanism and governing:
-        page.panels[1].set_title(words.at(*governing))
-        mechanism.draw(page, page.panels[1])
-        parts.push_arrow(page, page.panels[1], mechanism.swept.bounds, governing[1])
+    if mechanism:
+        mechanism.draw(page, page.panels[1], words)
         handles += mechanism_handles([mechanism], words)[1:]
     page.legend(handles, words)
     return page.figure
@@ -112,30 +110,24 @@ def draw_overturned(results: Results, words: Words, views: Sequence[View]) -> Fi
     return page.figure
 
 
-def draw_mechanisms(results: Results, words: Words, views: Sequence[View]) -> Figure:
-    """Draw mechanisms on the deformed shapes at their activation, hinges and sliding joints marked."""
-    found = [found_mechanism(results, *view) for view in views]
-    return _draw_mechanisms(words, found, [way for _, way in views])
+def draw_mechanisms(results: Results, words: Words, shown: Sequence[View | GivenMechanism]) -> Figure:
+    """Draw mechanisms on the deformed shapes at their activation, hinges and sliding joints marked.
 
-
-def draw_chosen(results: Results, words: Words, given: GivenMechanism) -> Figure:
-    """Draw a mechanism that the user chose; its centres of rotation are marked as hinges."""
-    centres = [part.about_m for part in known(given.macro_blocks)]
-    at = results.states[given.state].configuration
-    motion = known(given.displacements), centres, known(given.sliding_joints)
-    view = MechanismView(results, given.state, *motion, at, known(given.met))
-    return _draw_mechanisms(words, [view], [known(given.direction)])
-
-
-def _draw_mechanisms(words: Words, views: Sequence["MechanismView"], ways: Sequence[Direction]) -> Figure:
-    handles = mechanism_handles(views, words)
+    Of one that the user chose the centres of rotation are marked as hinges.
+    """
+    views = []
+    for each in shown:
+        if isinstance(each, GivenMechanism):
+            centres, at = [part.about_m for part in known(each.macro_blocks)], results.states[each.state]
+            motion = known(each.displacements), centres, known(each.sliding_joints), at.configuration
+            views.append(MechanismView(results, each.state, known(each.direction), *motion, known(each.met)))
+        else:
+            views.append(found_mechanism(results, *each))
     bounds = pictures.union([outline for view in views for outline in (view.start, view.swept)])
     page = sheet(bounds, len(views), border_mm=7.0, height_mm=156.0, most_mm=75.0)
-    for axes, view, way in zip(page.panels, views, ways, strict=True):
-        axes.set_title(words.at(view.state, way))
-        view.draw(page, axes)
-        parts.push_arrow(page, axes, view.swept.bounds, way)
-    page.legend(handles, words)
+    for axes, view in zip(page.panels, views, strict=True):
+        view.draw(page, axes, words)
+    page.legend(mechanism_handles(views, words), words)
     return page.figure
 
 
@@ -160,7 +152,8 @@ def found_mechanism(results: Results, state: str, direction: Direction) -> "Mech
     motion = found.displacements, found.hinge_points_m, found.sliding_joints
     parts = hand_check.macro_blocks(results, state, direction)
     numbered = parts if len(parts) <= hand_check.BY_HAND else ()
-    return MechanismView(results, state, *motion, rigid.mechanism_configuration, rigid.frames.met, numbered)
+    at = rigid.mechanism_configuration
+    return MechanismView(results, state, direction, *motion, at, rigid.frames.met, numbered)
 
 
 class MechanismView:
@@ -173,11 +166,11 @@ class MechanismView:
     """
 
     def __init__(
-        self, results: Results, state: str, displacements: Configuration, hinges: Sequence[Point],
-        sliding: Sequence[int], configuration: Configuration, met: Sequence[Face],
+        self, results: Results, state: str, direction: Direction, displacements: Configuration,
+        hinges: Sequence[Point], sliding: Sequence[int], configuration: Configuration, met: Sequence[Face],
         numbered: Sequence[hand_check.MacroBlock] = (),
     ) -> None:  # fmt: skip
-        self.state, self.macro_blocks = state, numbered
+        self.state, self.direction, self.macro_blocks = state, direction, numbered
         self.configuration = np.asarray(configuration, dtype=float)
         self.velocity = np.asarray(displacements, dtype=float)
         self.drawing = outlines(results)
@@ -193,8 +186,9 @@ class MechanismView:
         self.sliding = faces.contacts.take(np.array(sliding, dtype=np.intp))
         self.slides = end_points(self.sliding, faces.positions(self.configuration))
 
-    def draw(self, page: Panels, axes: Axes) -> None:
-        """Draw start outline, displaced blocks, hinges, sliding joints, ties, and the numbers of macro-blocks."""
+    def draw(self, page: Panels, axes: Axes, words: Words) -> None:
+        """Draw start outline, displaced blocks, hinges, sliding joints, ties, numbers of macro-blocks, the push."""
+        axes.set_title(words.at(self.state, self.direction))
         pictures.ghost(axes, self.start)
         pictures.fill(axes, self.swept, np.flatnonzero(~self.moving), "1.0")
         pictures.fill(axes, self.swept, np.flatnonzero(self.moving), pictures.MOVING)
@@ -212,6 +206,7 @@ class MechanismView:
                 away = np.hypot(*(places - places.mean(axis=0)).T)
                 nearest = whole.members[int(away.argmin())]
                 parts.write_number(axes, str(number), self.swept.centroids[nearest], **BOXED)
+        parts.push_arrow(page, axes, self.swept.bounds, self.direction)
 
     def _rate(self, points: Array, owner: Any) -> Array:
         return pictures.field(points, owner, self.start.centroids, self.velocity)

@@ -121,7 +121,7 @@ def pictures(results: Results) -> list[Picture]:
     for number, given in enumerate(results.mechanisms or [], 1):
         if not given.refused:
             told = partial(show, caption="chosen_mechanism", state=given.state, name=given.name)
-            told(f"chosen_mechanism_{number}", "mechanisms", deformed.draw_chosen, given)
+            told(f"chosen_mechanism_{number}", "mechanisms", deformed.draw_mechanisms, [given])
     for limit in ("SLV", "SLC"):
         found = {(name, way): each for name, way, each in capacities(results)}
         able = [view for view, each in found.items() if each.curve.d_star_m and limit in each.checks]
