@@ -120,7 +120,8 @@ def draw_mechanisms(results: Results, words: Words, shown: Sequence[View | Given
         if isinstance(each, GivenMechanism):
             centres, at = [part.about_m for part in known(each.macro_blocks)], results.states[each.state]
             motion = known(each.displacements), centres, known(each.sliding_joints), at.configuration
-            views.append(MechanismView(results, each.state, known(each.direction), *motion, known(each.met)))
+            way: Direction = known(each.direction)
+            views.append(MechanismView(results, (each.state, way), *motion, known(each.met)))
         else:
             views.append(found_mechanism(results, *each))
     bounds = pictures.union([outline for view in views for outline in (view.start, view.swept)])
@@ -153,7 +154,7 @@ def found_mechanism(results: Results, state: str, direction: Direction) -> "Mech
     parts = hand_check.macro_blocks(results, state, direction)
     numbered = parts if len(parts) <= hand_check.BY_HAND else ()
     at = rigid.mechanism_configuration
-    return MechanismView(results, state, direction, *motion, at, rigid.frames.met, numbered)
+    return MechanismView(results, (state, direction), *motion, at, rigid.frames.met, numbered)
 
 
 class MechanismView:
@@ -166,11 +167,11 @@ class MechanismView:
     """
 
     def __init__(
-        self, results: Results, state: str, direction: Direction, displacements: Configuration,
-        hinges: Sequence[Point], sliding: Sequence[int], configuration: Configuration, met: Sequence[Face],
+        self, results: Results, view: View, displacements: Configuration, hinges: Sequence[Point],
+        sliding: Sequence[int], configuration: Configuration, met: Sequence[Face],
         numbered: Sequence[hand_check.MacroBlock] = (),
     ) -> None:  # fmt: skip
-        self.state, self.direction, self.macro_blocks = state, direction, numbered
+        self.view, self.macro_blocks = view, numbered
         self.configuration = np.asarray(configuration, dtype=float)
         self.velocity = np.asarray(displacements, dtype=float)
         self.drawing = outlines(results)
@@ -180,15 +181,15 @@ class MechanismView:
         self.swept = self.start.swept(self.velocity, self.amount)
         self.moving = np.bincount(self.start.owner, speed > 1e-4 * speed.max()) > 0
         self.hinges = hinges
-        self.ties = ties_of(results, state)
-        self.tie_ends = tie_ends(results, state, self.configuration)
+        self.ties = ties_of(results, view[0])
+        self.tie_ends = tie_ends(results, view[0], self.configuration)
         faces = faces_of(results, met)
         self.sliding = faces.contacts.take(np.array(sliding, dtype=np.intp))
         self.slides = end_points(self.sliding, faces.positions(self.configuration))
 
     def draw(self, page: Panels, axes: Axes, words: Words) -> None:
         """Draw start outline, displaced blocks, hinges, sliding joints, ties, numbers of macro-blocks, the push."""
-        axes.set_title(words.at(self.state, self.direction))
+        axes.set_title(words.at(*self.view))
         pictures.ghost(axes, self.start)
         pictures.fill(axes, self.swept, np.flatnonzero(~self.moving), "1.0")
         pictures.fill(axes, self.swept, np.flatnonzero(self.moving), pictures.MOVING)
@@ -206,7 +207,7 @@ class MechanismView:
                 away = np.hypot(*(places - places.mean(axis=0)).T)
                 nearest = whole.members[int(away.argmin())]
                 parts.write_number(axes, str(number), self.swept.centroids[nearest], **BOXED)
-        parts.push_arrow(page, axes, self.swept.bounds, self.direction)
+        parts.push_arrow(page, axes, self.swept.bounds, self.view[1])
 
     def _rate(self, points: Array, owner: Any) -> Array:
         return pictures.field(points, owner, self.start.centroids, self.velocity)
