@@ -271,16 +271,11 @@ def sureness(fit: Fit, measured: float) -> Sureness:
     """Return standard errors from (JᵀJ)⁻¹, and the directions that the measurements leave open.
 
     A direction is open where its standard error is longer than the whole movement and than the largest `measured`
-    displacement (m); unknowns with more than PART in one have no error. Of several slopes the largest error holds.
+    displacement (m); unknowns with more than PART in one have no error. Of all combinations of slopes the largest
+    error holds.
     """
-    flat = np.array([slopes[0] for slopes in fit.slopes]).T
-    found, open_ = _sureness(fit, flat, measured)
-    for k, slopes in enumerate(fit.slopes):
-        for slope in slopes[1:]:
-            jacobian = flat.copy()
-            jacobian[:, k] = slope
-            found = np.maximum(found, _sureness(fit, jacobian, measured)[0])
-    return Sureness(found, open_)
+    found = [_sureness(fit, np.array(each).T, measured) for each in product(*fit.slopes)]
+    return Sureness(np.max([error for error, _ in found], axis=0), found[0][1])
 
 
 def _sureness(fit: Fit, jacobian: Array, measured: float) -> tuple[Array, Array]:

@@ -20,7 +20,7 @@ LINES = {
     "assessment/report": 5325,
     "assessment/results": 2951,
     "assessment/runtime": 1339,
-    "assessment/studies": 2131,
+    "assessment/studies": 2126,
     "assessment/workflow": 889,
     "mechanics": 934,
     "mechanics/kernels": 3519,

@@ -313,6 +313,15 @@ def test_what_is_flat_beyond_a_kink_within_its_error_is_not_determined():
     )
 
 
+def test_standard_errors_are_the_largest_of_all_pairs_of_slopes():
+    """Beyond their kinks x and z show apart; at the fit together, J⁻¹ = [[−0.9, 1], [1, −1]]."""
+    slopes = tuple(
+        tuple(map(np.array, each)) for each in (([5.0, 0.0], [10.0, 10.0]), ([0.0, 5.0], [10.0, 9.0]))
+    )
+    fit = Fit(np.ones(2), np.zeros(2), slopes, False)
+    assert sureness(fit, 10.0).error == pytest.approx(np.sqrt([1.81, 2.0]))
+
+
 def test_a_linear_problem_is_solved_with_its_standard_errors():
     offset = np.array([1.0, 2.0, 4.0])
     predict, start = linear(offset), np.array([0.1, -0.1])
