@@ -199,7 +199,8 @@ def test_collapse_before_life_safety_on_the_plateau():
     """
     d, alpha = np.array([0.0, 0.0002, 0.01, 0.02]), np.array([0.0, 0.05, 0.05, 0.0])
     capacity = capacity_curve(CurveFit("trilinear", 0.1, 0.02, 0.05 / 0.9, 0.05, 0.0002, d, alpha), 1.0, 1.0)
-    checks = verify(capacity, dict.fromkeys(("SLV", "SLC"), ElasticSpectrum(0.25, 2.4, 0.5, "D")))
+    demand = ElasticSpectrum(0.25, 2.4, 0.5, "D")
+    checks = verify(capacity, dict.fromkeys(("SLV", "SLC"), demand))
     life, collapse = checks["SLV"], checks["SLC"]
     np.testing.assert_allclose([life.a_g_g, collapse.a_g_g], 0.0223673, rtol=1e-5)
     assert (life.d_star_m, life.governing) == (pytest.approx(0.012), "SLC reached first: 0.60 d_0")
@@ -207,6 +208,9 @@ def test_collapse_before_life_safety_on_the_plateau():
     steps = {line.symbol: line.result for line in life.trace}
     np.testing.assert_allclose([steps["a_g_life"], steps["a_g_collapse"]], [0.0224430, 0.0223673], rtol=1e-5)
     assert steps["a_g_SLV"] == life.a_g_g
+    assert not any("differ in shape" in note for note in collapse.notes)
+    other = verify(capacity, {"SLV": demand, "SLC": replace(demand, F0=2.6)})
+    assert other["SLC"].a_g_g < other["SLV"].a_g_g and "differ in shape" in other["SLC"].notes[-1]
 
 
 def test_local_limit():
