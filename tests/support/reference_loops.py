@@ -119,19 +119,12 @@ def joint_newton(
     return np.linalg.solve(a, b), np.linalg.solve(a, c)
 
 
-def bed_resultants(
-    u: float, phi: float, half: float, stiffness: float, strength: float = np.inf, points: int = 200_001
-) -> Array:
-    """Energy, N and P (3,) of a bed by the trapezoidal rule: at every place the lesser of kw and the strength."""
-    s = np.linspace(-half, half, points)
+def bed_resultants(u: float, phi: float, half: float, stiffness: float) -> Array:
+    """Energy, N and P (3,) of a bed by the trapezoidal rule."""
+    s = np.linspace(-half, half, 20_001)
     closed = np.maximum(-(u + phi * s), 0.0)
-    yielding = strength / stiffness
-    pressure = np.minimum(stiffness * closed, strength)
-    beyond = closed > yielding
-    energy = 0.5 * stiffness * closed**2
-    if beyond.any():
-        energy[beyond] = strength * (closed[beyond] - 0.5 * yielding)
-    return np.array([np.trapezoid(each, s) for each in (energy, pressure, pressure * s)])
+    each = 0.5 * stiffness * closed**2, stiffness * closed, stiffness * closed * s
+    return np.array([np.trapezoid(values, s) for values in each])
 
 
 def bed_of_points(u: float, phi: float, half: float, stiffness: float, segments: int) -> Array:

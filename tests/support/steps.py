@@ -12,7 +12,7 @@ from mechanics.solvers import lp_highs
 from mechanics.solvers.elimination import Elimination
 from mechanics.steps.equilibrium import closed_program
 from mechanics.steps.static_step import StepProblem
-from mechanics.steps.static_system import StaticSystem, static_system
+from mechanics.steps.static_system import static_system
 from mechanics.types import GRAVITY
 
 
@@ -43,10 +43,10 @@ def static_step(model: Assembly, behaviour: Behaviour) -> tuple[Program, Elimina
 
 
 def euler_step(
-    model: Assembly, behaviour: Behaviour, state: State, acceleration: float, step: float = 0.005
+    model: Assembly, behaviour: Behaviour, state: State, acceleration: float
 ) -> tuple[Program, Elimination]:
-    """An implicit Euler step from a moving state, under a base acceleration in g (paper, eq. 3)."""
-    system: StaticSystem = static_system(model, behaviour)
+    """An implicit Euler step of 5 ms from a moving state, under a base acceleration in g (paper, eq. 3)."""
+    step, system = 0.005, static_system(model, behaviour)
     load = model.dead_load - acceleration * GRAVITY * model.mass * (1.0, 0.0, 0.0)
     size = max(GRAVITY * step**2, step * float(abs(state.velocities[:, :2]).max()))
     problem = StepProblem(
@@ -54,15 +54,6 @@ def euler_step(
         mass=model.mass / step**2,
     )  # fmt: skip
     return posed(problem)
-
-
-def objective(program: Program, displacement: np.ndarray) -> float:
-    """Energy of a step of rigid joints in its displacements (m,): ½Δxᵀ M̄Δx − f̄ᵀΔx; kNm."""
-    assert program.mass is not None
-    return float(0.5 * displacement @ (program.mass * displacement) - program.load @ displacement)
-
-
-__all__ = ["euler_step", "objective", "posed", "shaken", "static_step"]
 
 
 def by_highs(

@@ -16,9 +16,9 @@ from tests.support.structures import block_on_base, on_base
 FLAT = {"width": 2.0, "height": 0.2, "friction": 0.3}
 
 
-def newmark(acceleration: np.ndarray, step: float, friction: float, finer: int = 50) -> np.ndarray:
+def newmark(acceleration: np.ndarray, step: float, friction: float) -> np.ndarray:
     """Slip (k,) of a block under base accelerations in g, linear between samples, by small explicit steps."""
-    time = step * np.arange(len(acceleration))
+    time, finer = step * np.arange(len(acceleration)), 50
     fine = np.linspace(0.0, time[-1], finer * (len(time) - 1) + 1)
     a, h = GRAVITY * np.interp(fine, time, acceleration), step / finer
     x, v, slip = 0.0, 0.0, [0.0]

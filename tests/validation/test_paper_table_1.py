@@ -52,8 +52,8 @@ def _capacity(column, shift=0.0):
     )  # fmt: skip
 
 
-def _check(capacity, spectrum, demand="at_period"):
-    return verify(capacity, {"SLC": spectrum}, Method(displacement_demand=demand))["SLC"]
+def _check(capacity, spectrum):
+    return verify(capacity, {"SLC": spectrum}, Method(displacement_demand="at_period"))["SLC"]
 
 
 NTC = ElasticSpectrum(0.33, 2.4, 0.36, "B")

@@ -33,7 +33,7 @@ def _row(collapse, safe=None, **more):
     return made(Scanned, numbers | {"record": f"{collapse} {safe}"} | more)
 
 
-def _fragility(rows, stage="incremental"):
+def _fragility(rows):
     """The fragility of rows of one state, by the estimator of [incremental] and [campaign]."""
     place = Place(message("{state}", state="original"), "", None, None, None, None)
     asked = [
@@ -47,7 +47,7 @@ def _fragility(rows, stage="incremental"):
         for row in rows
     ]
     over_pga = {row.record: dict.fromkeys(UNITS, 1.0) for row in rows}
-    searches = Searches(stage, asked, Scans(None, None), Study(), Measures(1.0, over_pga))
+    searches = Searches("incremental", asked, Scans(None, None), Study(), Measures(1.0, over_pga))
     fit = searches.fragility(Fragility, place, rows)
     return fit, [*findings(searches, len({row.record for row in rows}), [(place, fit, None)])]
 

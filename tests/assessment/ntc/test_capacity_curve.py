@@ -23,8 +23,8 @@ from tests.support.structures import column
 from tests.support.trace_check import recomputed
 
 
-def _rigid(alpha_0=0.1, d_0=0.3, points=31):
-    d = np.linspace(0.0, d_0, points)
+def _rigid(alpha_0=0.1, d_0=0.3):
+    d = np.linspace(0.0, d_0, 31)
     return d, alpha_0 * (1.0 - d / d_0)
 
 

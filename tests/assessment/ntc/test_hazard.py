@@ -50,11 +50,9 @@ def _row(i, j, turn=0.1):
     return [lon, lat, *values]
 
 
-def _write(path, rows, separator="\t", comma=False, header="% header\r\n"):
-    text = "\r\n".join(separator.join(f"{v:.6f}" for v in row) for row in rows)
-    path.write_text(
-        header + (text.replace(".", ",") if comma else text) + "\r\n", encoding="latin-1", newline=""
-    )
+def _write(path, rows):
+    lines = ["% header", *("\t".join(f"{v:.6f}" for v in row) for row in rows), ""]
+    path.write_text("\r\n".join(lines), encoding="latin-1", newline="")
     return path
 
 

@@ -30,14 +30,13 @@ RECORD = RecordSpectrum(
 )
 
 
-def _block(alpha_0=1 / 7, d_0=0.6, F_C=1.0, model="none", e_star=1.0, gamma_star=0.5, size=None):
-    """A rigid branch from α0 straight to d_0; the elastic branch is that of a block of d_0 = size."""
-    size = size or d_0
+def _block(alpha_0=1 / 7, d_0=0.6, F_C=1.0, model="none", e_star=1.0):
+    """A rigid branch from α0 straight to d_0, and an elastic one; Γ* = 0.5."""
     d = np.linspace(0.0, d_0, 21)
-    elastic = np.linspace(0.0, 0.2 * size, 201)
-    peak = 0.8 * alpha_0 * (1.0 - np.exp(-elastic / (0.02 * size)))
+    elastic = np.linspace(0.0, 0.2 * d_0, 201)
+    peak = 0.8 * alpha_0 * (1.0 - np.exp(-elastic / (0.02 * d_0)))
     fit = fit_curve(model, (d, alpha_0 * (1.0 - d / d_0)), (elastic, peak))
-    return capacity_curve(fit, e_star, gamma_star, F_C)
+    return capacity_curve(fit, e_star, 0.5, F_C)
 
 
 @pytest.fixture

@@ -151,9 +151,9 @@ window_s = [5.0, 15.0]
 """
 
 
-def _block(folder, *tables, heading="time [s],acceleration [m/s²]", size=3.2067):
+def _block(folder, *tables, heading="time [s],acceleration [m/s²]"):
     write_block(folder, PROJECT[: PROJECT.index("[pushover]")] + "".join(tables))
-    rows = "\n".join(f"{t:.3f},{a:.6f}" for t, a in zip(TIME, size * WAVE, strict=True))
+    rows = "\n".join(f"{t:.3f},{a:.6f}" for t, a in zip(TIME, 3.2067 * WAVE, strict=True))
     (folder / "wave.csv").write_text(f"{heading}\n{rows}\n", encoding="utf-8")
     return folder
 

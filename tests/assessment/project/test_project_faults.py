@@ -183,9 +183,6 @@ CONTROL = '[[control]]\nname = "C"\npoint_m = [0, 0]\n'
 SETTLEMENT = '[[settlements]]\nname = "down"\nsupport = "right"\ndisplacement_m = [0, -0.1]\n'
 
 
-HISTORY = '[[history]]\nrecord = "records/b.csv"\nname = "A"\n'
-
-
 SITE = 'latitude = 42.35\nlongitude = 13.40\ngrid = "allegato_b.txt"\n'
 
 

@@ -22,70 +22,64 @@ SHARES = (0.0, 0.5, 1.0)
 LEVELS = {"a": 0.30, "b": 0.36, "c": 0.45}  # g: at which each record collapses the structure as drawn
 
 
-def combination(record: str, settlement: str, share: float, sign: int) -> dict:
+def combination(record: str, share: float, sign: int) -> dict:
     collapse = LEVELS[record] * (1.0 - 0.3 * share) * (1.0 if sign > 0 else 1.1)
-    points = [
-        {"pga_g": part * collapse, "peak_displacement_m": None if part == 1.0 else 0.02 * part, "members": 1,
-         "residual_displacement_m": None if part == 1.0 else 0.0, "collapsed": part == 1.0, "reason": None,
-         "peak_displacement_m_range": [None, None] if part == 1.0 else [0.02 * part, 0.02 * part],
-         "members_collapsed": int(part == 1.0), "time_of_collapse_s": 3.0 if part == 1.0 else None,
-         "integrator_share": 0.01}
-        for part in (0.5, 0.95, 1.0)
+    stood = [
+        {"pga_g": part * collapse, "peak_displacement_m": 0.02 * part, "members": 1,
+         "residual_displacement_m": 0.0, "peak_displacement_m_range": [0.02 * part, 0.02 * part]}
+        for part in (0.5, 0.95)
     ]  # fmt: skip
+    fell = {
+        "pga_g": collapse,
+        "collapsed": True,
+        "members": 1,
+        "members_collapsed": 1,
+        "time_of_collapse_s": 3.0,
+    }
     return {
-        "record": record, "settlement": settlement, "share": share, "sign": sign, "pga_collapse_g": collapse,
-        "pga_collapse_range": [collapse, 1.1 * collapse], "pga_safe_g": 0.95 * collapse, "resurrections_g": [],
-        "runs": 3, "points": points, "reason": None, "lowest_collapse_g": collapse, "level_16_g": collapse,
-        "level_50_g": collapse, "level_84_g": collapse, "beta": 0.0, "widest_gap_g": [0.95 * collapse, collapse],
-        "time_step_s": 0.01, "notes": [], "counts": None,
+        "record": record, "settlement": SETTLED, "share": share, "sign": sign, "runs": 3, "points": [*stood, fell],
+        "pga_collapse_g": collapse, "pga_collapse_range": [collapse, 1.1 * collapse], "pga_safe_g": 0.95 * collapse,
+        "lowest_collapse_g": collapse, "level_16_g": collapse, "level_50_g": collapse, "level_84_g": collapse,
+        "beta": 0.0, "widest_gap_g": [0.95 * collapse, collapse], "time_step_s": 0.01, "resurrections_g": [],
     }  # fmt: skip
 
 
-def fit(settlement: str, share: float, own: list[dict]) -> dict:
+def fit(share: float, own: list[dict]) -> dict:
     """A fragility of hand-made levels: mean and root mean square of their logarithms."""
     logs = np.log([row["pga_collapse_g"] for row in own])
     median, beta = float(np.exp(logs.mean())), float(logs.std())
     return {
-        "settlement": settlement, "share": share, "movement_m": 0.02 * share, "combinations": len(own), "failed": 0,
-        "withstood": 0, "median_g": median, "median_range": [0.9 * median, 1.1 * median], "beta": beta,
-        "beta_range": [0.5 * beta, 1.5 * beta], "beta_record": beta, "beta_ensemble": 0.0, "measures": [],
-        "level_16_g": median * math.exp(-beta), "level_84_g": median * math.exp(beta), "rule": "lowest",
-        "pga_collapse_g": min(row["pga_collapse_g"] for row in own), "pga_collapse_g_range": None, "directions": {},
-        "band": [], "d_0_m": None,
+        "settlement": SETTLED, "share": share, "movement_m": 0.02 * share, "combinations": len(own),
+        "median_g": median, "median_range": [0.9 * median, 1.1 * median], "beta": beta,
+        "beta_range": [0.5 * beta, 1.5 * beta], "beta_record": beta, "beta_ensemble": 0.0, "rule": "lowest",
+        "level_16_g": median * math.exp(-beta), "level_84_g": median * math.exp(beta),
+        "pga_collapse_g": min(row["pga_collapse_g"] for row in own),
     }  # fmt: skip
 
 
-def lost(settlement: str, share: float) -> dict:
+def lost(share: float) -> dict:
     """The loss of hand-made levels, 30 % of each at the whole movement."""
     dynamic = 0.3 * share
     return {
-        "settlement": settlement, "share": share, "movement_m": 0.02 * share, "dynamic": dynamic,
-        "dynamic_range": [dynamic, dynamic], "distinguishable": True if share else None, "left_out": 0,
+        "settlement": SETTLED, "share": share, "movement_m": 0.02 * share, "dynamic": dynamic,
+        "dynamic_range": [dynamic, dynamic], "distinguishable": True if share else None,
         "static": 0.2 * share, "static_capacity": 0.5 - 0.1 * share,
     }  # fmt: skip
 
 
-def results_with_campaign(language: str = "it", settlements: tuple[str, ...] = (SETTLED,)) -> dict:
+def results_with_campaign(language: str = "it") -> dict:
     """Results with a campaign of three records, both signs, three shares; each β is that of its levels."""
-    results = results_example(language)
-    rows = [
-        combination(record, settlement, share, sign)
-        for settlement in settlements for share in SHARES for record in LEVELS for sign in (1, -1)
-    ]  # fmt: skip
-    fits, losses = [], []
-    for settlement in settlements:
-        for share in SHARES:
-            own = [row for row in rows if (row["settlement"], row["share"]) == (settlement, share)]
-            fits.append(fit(settlement, share, own))
-            losses.append(lost(settlement, share))
-    results["campaign"] = {
-        "measure": "PGA", "period_s": None, "method": "incremental", "levels_g": [], "tolerance": 0.05,
-        "contacts": "rigid", "members": 5, "static_quantity": "a_g_g", "spectrum": None,
-        "failures": [], "warnings": [], "combinations": rows, "computed": len(rows), "fragility": fits, "loss": losses,
-        "records": [{"record": name, "record_pga_g": 0.3, "scale": 1.0, "duration_s": 25.0, "time_step_s": 0.01}
-                    for name in LEVELS],
+    rows = [combination(record, share, sign) for share in SHARES for record in LEVELS for sign in (1, -1)]
+    return results_example(language) | {
+        "campaign": {
+            "measure": "PGA", "method": "incremental", "tolerance": 0.05, "contacts": "rigid", "members": 5,
+            "static_quantity": "a_g_g", "combinations": rows, "computed": len(rows),
+            "fragility": [fit(share, [row for row in rows if row["share"] == share]) for share in SHARES],
+            "loss": [lost(share) for share in SHARES],
+            "records": [{"record": name, "record_pga_g": 0.3, "scale": 1.0, "duration_s": 25.0, "time_step_s": 0.01}
+                        for name in LEVELS],
+        }
     }  # fmt: skip
-    return results
 
 
 def said(results, sentences=lead):

@@ -74,9 +74,9 @@ def titles(page):
     return page.evaluate("[...document.getElementById('viewer-path').options].map((o) => o.text)")
 
 
-def marker(page, number=0):
+def marker(page):
     return page.evaluate(
-        f"['cx', 'cy'].map((k) => +document.getElementById('viewer-marker-{number}').getAttribute(k))"
+        "['cx', 'cy'].map((k) => +document.getElementById('viewer-marker-0').getAttribute(k))"
     )
 
 

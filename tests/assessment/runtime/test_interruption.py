@@ -26,7 +26,7 @@ from tests.support.every_stage import assesto, computed, counts, entries, planne
 from tests.support.forked import forked
 
 pytestmark = pytest.mark.usefixtures("no_figures")
-FIGURES, IMAGES, save_svg = figures.write_figures, figures.write_images, figures.save_svg
+IMAGES = figures.write_images
 FORKS = pytest.mark.skipif(not hasattr(os, "fork"), reason="the child has what was put into the program here")
 
 

@@ -23,12 +23,12 @@ from tests.support.structures import (
 STONE = Material(20.0, 0.6, 1e5)
 
 
-def towers(*, apart: float = 4.0, above: float = 0.0, turned: float = 0.0) -> Assembly:
-    """Two equal towers of two blocks, the second one at a distance, `above` the base or `turned` in the air."""
+def towers(*, above: float = 0.0, turned: float = 0.0) -> Assembly:
+    """Two equal towers of two blocks, the second one 4 m aside, `above` the base or `turned` in the air."""
     cos, sin = np.cos(turned), np.sin(turned)
     second = np.array([rectangle(0.0, i, 1.0, i + 1.0) for i in range(2)]) @ [[cos, sin], [-sin, cos]]
     first = [rectangle(0.0, i, 1.0, i + 1.0) for i in range(2)]
-    return on_base(STONE, (-1.0, -1.0, 6.0), *first, *(second + np.array([apart, above])))
+    return on_base(STONE, (-1.0, -1.0, 6.0), *first, *(second + np.array([4.0, above])))
 
 
 def dense(model: Assembly) -> float:
