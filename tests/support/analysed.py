@@ -13,6 +13,7 @@ from assessment.project.model import build_model
 from assessment.project.project import load_project
 from assessment.results.schema import as_bytes
 from assessment.workflow.stages import run
+from tests.support.block_project import HAZARD
 
 SETTLED = "right support 60 mm"
 PROJECT = """title = "Small arch"
@@ -57,23 +58,11 @@ contacts = "rigid"
 model = "trilinear"
 [assessment.site]
 soil = "B"
-[assessment.site.SLD]
-ag_g = 0.104
-F0 = 2.33
-Tc_star_s = 0.28
-[assessment.site.SLV]
-ag_g = 0.261
-F0 = 2.36
-Tc_star_s = 0.35
-[assessment.site.SLC]
-ag_g = 0.334
-F0 = 2.40
-Tc_star_s = 0.36
-
+HAZARD
 [report]
 language = "LANGUAGE"
 client = "Parish of St. <Mary>"
-"""
+""".replace("HAZARD", HAZARD)
 
 
 def analysed(language: str = "en") -> dict[str, Any]:

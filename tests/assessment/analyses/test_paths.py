@@ -24,6 +24,7 @@ from assessment.workflow.stages import run
 from mechanics import Assembly, Block, Material, State, pushdown, pushover
 from mechanics.messages import message
 from tests.support.block_project import ASSESSMENT, PROJECT, results_of, write_block
+from tests.support.contract_project import MINIMAL
 from tests.support.results_example import results_example
 from tests.support.structures import arch_on_piers, block_on_base, built, rectangle
 from tests.support.typed import typed
@@ -151,14 +152,7 @@ def test_the_limits_are_those_of_the_checks_that_were_made():
     assert "617/2009" in limits_told(results, "en") and "7/2019" not in limits_told(results, "en")
 
 
-BEAM = """title = "Beam on two piers"
-[geometry]
-drawing = "geometry.dxf"
-unit = "m"
-depth_m = 1.0
-[material]
-unit_weight_kN_m3 = 18.0
-friction = 0.2
+BEAM = f"""{MINIMAL}friction = 0.2
 [layers.LEFT]
 support = "left"
 [layers.RIGHT]

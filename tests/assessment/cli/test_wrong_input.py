@@ -8,6 +8,7 @@ import pytest
 
 from assessment.cli.main import main
 from tests.support.block_project import ASSESSMENT, PROJECT, contents, edit, run, write_block
+from tests.support.contract_project import MINIMAL
 from tests.support.dxf import drawing, outline
 from tests.support.structures import rectangle
 
@@ -151,16 +152,7 @@ def test_an_error_of_python_or_numpy_is_never_passed_off_as_the_users(project, m
         assert capsys.readouterr().err == "error: geometry.dxf: wrong; mend it\n"
 
 
-WALL = """title = "Wall"
-[geometry]
-drawing = "geometry.dxf"
-unit = "m"
-depth_m = 1.0
-[material]
-unit_weight_kN_m3 = 18.0
-[layers.BASE]
-support = "base"
-"""
+WALL = MINIMAL + '[layers.BASE]\nsupport = "base"\n'
 
 
 def checked(folder, capsys, document, text=WALL):

@@ -12,22 +12,15 @@ from assessment.results.hand_check import weights
 from assessment.runtime.errors import ProjectError
 from assessment.workflow.checking import describe
 from mechanics.errors import DrawingError
+from tests.support.contract_project import MINIMAL
 from tests.support.dxf import drawing, outline
 
 WALL = [(0, 0), (4, 0), (4, 3), (0, 3)]
 BASE = [(-1, -0.5), (5, -0.5), (5, 0), (-1, 0)]
-TOML = """title = "wall"
-[geometry]
-drawing = "geometry.dxf"
-unit = "m"
-depth_m = 0.5
-[material]
-unit_weight_kN_m3 = 18.0
-friction = 0.6
-[layers.BASE]
+TOML = f"""{MINIMAL.replace("depth_m = 1.0", "depth_m = 0.5")}[layers.BASE]
 support = "base"
 [layers.WALL]
-bond = { pattern = "running", course_m = 0.3, block_m = 0.6 }
+bond = {{ pattern = "running", course_m = 0.3, block_m = 0.6 }}
 """
 
 
