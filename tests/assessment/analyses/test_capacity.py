@@ -48,11 +48,7 @@ name = "moved"
 support = "base"
 displacement_m = [0.1, -0.15]
 increment_m = 0.05
-[pushover]
-contacts = ["rigid"]
-directions = ["+x", "-x"]
-increment_m = 0.1
-"""
+{PUSHED.replace('"+x"', '"+x", "-x"').replace("0.2", "0.1")}"""
 )
 
 

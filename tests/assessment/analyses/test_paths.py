@@ -23,7 +23,7 @@ from assessment.runtime.tasks import Workers
 from assessment.workflow.stages import run
 from mechanics import Assembly, Block, Material, State, pushdown, pushover
 from mechanics.messages import message
-from tests.support.block_project import ASSESSMENT, PROJECT, results_of, write_block
+from tests.support.block_project import ASSESSMENT, PROJECT, PUSHED, results_of, write_block
 from tests.support.contract_project import MINIMAL
 from tests.support.results_example import results_example
 from tests.support.structures import arch_on_piers, block_on_base, built, rectangle
@@ -160,11 +160,7 @@ support = "right"
 [[control]]
 name = "top of the right pier"
 point_m = [5.35, 3.0]
-[pushover]
-contacts = ["rigid"]
-directions = ["+x"]
-increment_m = 0.01
-"""
+{PUSHED.replace("0.2", "0.01")}"""
 
 
 def beam_on_piers(width):

@@ -15,6 +15,7 @@ from assessment.results.schema.studies import SensitivityRun
 from assessment.studies.variants import scatter, with_factor, without_effect
 from assessment.workflow.stages import run
 from mechanics import limit_analysis
+from tests.support import block_project
 from tests.support.block_project import block, outcome_of, write_block
 from tests.support.typed import made
 
@@ -41,27 +42,12 @@ contacts = ["rigid"]
 increment_m = 0.1
 control = {"+x" = "right", "-x" = "left"}
 """
-ASSESSMENT = """
-[assessment]
-limit_states = ["SLV", "SLC"]
-model = "none"
-[assessment.site]
-soil = "B"
-SLV = {ag_g = 0.261, F0 = 2.36, Tc_star_s = 0.35}
-SLC = {ag_g = 0.334, F0 = 2.40, Tc_star_s = 0.36}
-"""
+ASSESSMENT = block_project.ASSESSMENT.replace('"SLV"', '"SLV", "SLC"')
 # SLD looks at the elastic branch: S_e(T_0) = a_y*.
-ELASTIC = """
-[pushover]
-contacts = ["rigid", "elastic"]
-increment_m = 0.02
-control = {"+x" = "right", "-x" = "left"}
-[assessment]
-limit_states = ["SLD"]
-[assessment.site]
-soil = "B"
-SLD = {ag_g = 0.104, F0 = 2.33, Tc_star_s = 0.28}
-"""
+ELASTIC = PUSHOVER.replace('"rigid"', '"rigid", "elastic"').replace("0.1", "0.02")
+ELASTIC += block_project.ASSESSMENT.replace(
+    'limit_states = ["SLV"]\nmodel = "none"', 'limit_states = ["SLD"]'
+)
 
 
 @pytest.fixture
