@@ -16,7 +16,7 @@ from mechanics import Assembly, pushdown
 from mechanics.model import V, end_gaps
 
 SOURCE = Path(__file__).parents[2] / "projects" / "buttressed_arch"
-CROWN = -0.019, 0.789  # edges of joints, as drawn
+CROWN, LEFT, RIGHT = (-0.019, 0.789), (-0.282, 0.684), (0.282, 0.684)  # edges of joints, as drawn
 PIER, SPRINGING, OTHER = (0.345, 0.30), (0.27, 0.50), (-0.27, 0.50)
 
 
