@@ -140,22 +140,17 @@ Ranged = TypeVar("Ranged", bound=Part)
 CHECKED = ("a_g_g", "zeta_E")
 
 
-@dataclass(frozen=True)
-class Governed:
-    """A state as it is reported, what is to be told of it, and by direction the run that its curves are of."""
-
-    state: StateResults
-    warnings: list[Message]
-    runs: dict[Direction, Run]
-
-
-def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess) -> Governed:
+def governed(
+    name: str, state: StateResults, runs: Sequence[Run], assess: Assess
+) -> tuple[StateResults, list[Message], dict[Direction, Run]]:
     """Return a state with, in each direction, curves, mechanism and capacity of its governing run, and their ranges.
 
-    `runs`: that of the project, then those of its ensemble. `members` of a curve: the curves of the other runs. A
-    movement is that of the run with the least ultimate one.
+    Behind it what is to be told of it, and by direction the run that its curves are of. `runs`: that of the project,
+    then those of its ensemble. `members` of a curve: the curves of the other runs. A movement is that of the run with
+    the least ultimate one.
     """
-    found = Governed(state, [], {})
+    warnings: list[Message] = []
+    governing: dict[Direction, Run] = {}
     pushdown = {}
     for own in runs[0]:
         same = (stage.moved for run in runs for stage in run if stage.behaviour == own.behaviour)
@@ -166,7 +161,7 @@ def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess
             least = moves[ends.index(min(ends))]
             path = known(least.value).path
             pushdown[own.behaviour] = _ranged(path, ("ultimate_movement_m",), paths, len(runs))
-            found.warnings.extend(least.warnings)
+            warnings.extend(least.warnings)
     pushover, capacity = {}, {}
     by_run = [curves(run) for run in runs]
     for direction in dict.fromkeys(way for stage in runs[0] for way in stage.pushed):
@@ -174,9 +169,9 @@ def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess
         followed = [by_run[k][direction] for k in pushed]
         checked = [assess({direction: each}).get(direction, Found[Assessed]()) for each in followed]
         number = _least_capacity(followed, checked) if pushed else 0
-        run = found.runs[direction] = runs[pushed[number]] if pushed else runs[0]
+        run = governing[direction] = runs[pushed[number]] if pushed else runs[0]
         pushes = [stage.pushed[direction] for stage in run if direction in stage.pushed]
-        found.warnings.extend(text for each in pushes for text in each.warnings)
+        warnings.extend(text for each in pushes for text in each.warnings)
         if not pushed:
             continue
         value = checked[number].value
@@ -194,12 +189,13 @@ def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess
             for check, own_check in value.capacity.checks.items():
                 ranged = _ranged(own_check, CHECKED, [x[check] for x in others if check in x], len(runs))
                 low = ranged.zeta_E_range[0] if ranged.zeta_E_range else None
-                if ranged.verified and low is not None and low < 1.0:  # only the whole range is verified
+                if ranged.verified and low is not None and low < 1.0:  # the whole range is to be
                     ranged = ranged.replace(verified=None)
                 checks[check] = ranged
             capacity[direction] = value.capacity.with_checks(checks)
-        for note in (*_refusals(checked, len(runs)), *checked[number].warnings):
-            found.warnings.append(message("{state}: {text}", state=name, text=towards(direction, note)))
+        notes = [*_refusals(checked, len(runs)), *checked[number].warnings]
+        told = (towards(direction, note) for note in notes)
+        warnings += [message("{state}: {text}", state=name, text=text) for text in told]
     if len(runs) > 1:
         notes = [message(
             "joints slide, or a part moves by itself: {count} runs with other increments and corners moved by a "
@@ -210,9 +206,9 @@ def governed(name: str, state: StateResults, runs: Sequence[Run], assess: Assess
             text = failed[0].failures[0]
             said = message("in {count} of the runs of the ensemble: {text}", count=len(failed), text=text)
             notes.append(said)
-        found.warnings.extend(headed(message("{state}", state=name), note) for note in notes)
+        warnings.extend(headed(message("{state}", state=name), note) for note in notes)
     made = state.replace(pushdown=pushdown, pushover=pushover, capacity=capacity)
-    return Governed(made, found.warnings, found.runs)
+    return made, warnings, governing
 
 
 def _least_capacity(runs: Sequence[Pushovers], checked: Sequence[Found[Assessed]]) -> int:

@@ -12,7 +12,7 @@ from assessment.analyses import demand
 from assessment.analyses.capacity import Assessed, assess
 from assessment.analyses.chosen_mechanism import assess_chosen
 from assessment.analyses.found import Found, as_part, joined, quality_of, refined
-from assessment.analyses.governing import Governed, Run, governed, members
+from assessment.analyses.governing import Run, governed, members
 from assessment.analyses.histories import histories
 from assessment.analyses.lateral import rests_or_moves, second_solver
 from assessment.analyses.paths import pressed_in, stand
@@ -191,7 +191,7 @@ def _add_states(draft: Draft, converged: Converged) -> None:
             draft.put_state(name, configuration=configuration)
 
 
-def _add_capacities(draft: Draft, converged: Converged, ensembles: Ensembles) -> list[Governed]:
+def _add_capacities(draft: Draft, converged: Converged, ensembles: Ensembles) -> list[dict[Direction, Run]]:
     """Add what every state comes to: movement, curves, ranges and, where asked for, checks, demand, chosen mechanisms.
 
     `ensembles`: the further runs of a state. A state without capacity in a direction that was asked for has no index:
@@ -208,14 +208,15 @@ def _add_capacities(draft: Draft, converged: Converged, ensembles: Ensembles) ->
             ) -> Mapping[Direction, Found[Assessed]]:
                 return assess(project, assembly, pushovers, demands) if project.assessment else {}
 
-            found = governed(name, draft.states[name], [own, *ensembles.get(name, ())], checked)
-            reported.append(found)
-            draft.warnings += found.warnings
-            parts = {key: getattr(found.state, key) for key in ("pushdown", "pushover", "capacity")}
+            runs = [own, *ensembles.get(name, ())]
+            found, warnings, governing = governed(name, draft.states[name], runs, checked)
+            reported.append(governing)
+            draft.warnings += warnings
+            parts = {key: getattr(found, key) for key in ("pushdown", "pushover", "capacity")}
             if project.assessment:
                 asked = project.pushover.directions if project.pushover else ()
-                known_ones = {} if without(found.state.capacity, asked) else found.state.capacity
-                made = found.state.strengthening
+                known_ones = {} if without(found.capacity, asked) else found.capacity
+                made = found.strengthening
                 before = draft.states.get(made.of) if made else None
                 parts["indices"] = demand.state_indices(project, known_ones, before)
             draft.put_state(name, **parts)
@@ -235,11 +236,11 @@ def _add_capacities(draft: Draft, converged: Converged, ensembles: Ensembles) ->
     return reported
 
 
-def _add_second_solver(draft: Draft, reported: Iterable[Governed]) -> None:
+def _add_second_solver(draft: Draft, reported: Iterable[Mapping[Direction, Run]]) -> None:
     found = [
         (begun.model, stage.state, direction, pushed.activated, rigid.curve.multiplier[rigid.peak])
-        for each in reported
-        for direction, run in each.runs.items()
+        for runs in reported
+        for direction, run in runs.items()
         for stage in run
         if (begun := stage.begun) and direction in stage.pushed and (pushed := stage.pushed[direction].value)
         if pushed.activated is not None and (rigid := pushed.curves.rigid)

@@ -157,7 +157,7 @@ def runs_of(*curves: Pushovers, ultimate: tuple[float, ...] = ()) -> list[list[S
 
 
 def governing(runs: list[list[StateResult]], assess=lambda _: {}) -> StateResults:
-    return governed("s", made(StateResults), runs, assess).state
+    return governed("s", made(StateResults), runs, assess)[0]
 
 
 def widened(low: float, high: float) -> list[float]:
