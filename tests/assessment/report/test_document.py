@@ -36,9 +36,6 @@ def leaves(node, key=""):
     if isinstance(node, dict):
         for name, inner in node.items():
             yield from leaves(inner, f"{key}.{name}" if key else name)
-    elif isinstance(node, list):
-        for number, inner in enumerate(node):
-            yield from leaves(inner, f"{key}[{number}]")
     else:
         yield key, node
 

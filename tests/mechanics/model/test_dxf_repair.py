@@ -25,7 +25,7 @@ COLUMNS, COURSES = 5, 4
 REACH = NEAR * 1e-3 * 250.0  # mm: of the wall, whose median edge is 250 mm
 
 
-def wall(noise, seed=0, kind="lwpolyline", extrusion=None):
+def wall(noise, seed=0, kind="lwpolyline"):
     """A wall in running bond on its base, in mm, every corner moved by up to `noise` (mm) along each axis."""
     document, space = drawing()
     outline(space, [(-100, -200), (2600, -200), (2600, 0), (-100, 0)], "BASE")
@@ -36,13 +36,9 @@ def wall(noise, seed=0, kind="lwpolyline", extrusion=None):
             corners = np.array([(x0, z0), (x1, z0), (x1, z1), (x0, z1)])
             corners += rng.uniform(-noise, noise, (4, 2))
             if kind == "lwpolyline":
-                added = outline(space, corners.tolist(), "WALL")
+                outline(space, corners.tolist(), "WALL")
             else:
-                added = getattr(space, f"add_{kind}")(
-                    corners.tolist(), close=True, dxfattribs={"layer": "WALL"}
-                )
-            if extrusion:
-                added.dxf.extrusion = extrusion
+                getattr(space, f"add_{kind}")(corners.tolist(), close=True, dxfattribs={"layer": "WALL"})
     return document
 
 

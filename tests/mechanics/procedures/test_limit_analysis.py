@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from mechanics import ArgumentError, Assembly, Material, Tie, limit_analysis, pushdown, pushover
-from mechanics.errors import CollapseError
 from mechanics.kernels.joint import H
 from mechanics.model.contacts import end_gaps, forces_on_blocks
 from mechanics.procedures import limit_in, static_theorem
@@ -138,12 +137,9 @@ def test_cracks_bear_nothing_in_the_mechanism_of_a_settled_state(model, movement
 
 @pytest.mark.parametrize("seed", range(0, 90, 15))
 def test_tie_on_settled(seed):
-    """Thirty arches whose right support has spread, by either law; the tie is set after the movement."""
+    """Of arches whose right support has spread, by either law; the tie is set after the movement."""
     model, sliding = random_masonry(seed), "associative" if seed % 2 else "coulomb"
-    try:
-        settled = pushdown(model, "right", (0.02, -0.01), increment=0.005, sliding=sliding).final
-    except CollapseError as fall:
-        settled = fall.path.states[len(fall.path.states) // 2]
+    settled = pushdown(model, "right", (0.02, -0.01), increment=0.005, sliding=sliding).final
     movable = [block for block in model.blocks if block.support is None]
     first, last = movable[0].centroid, movable[-1].centroid
     tie = Tie("chain", tuple(first), tuple(last), 50.0)
