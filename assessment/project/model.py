@@ -104,14 +104,14 @@ def _with_changed_layers(project: Project, model: Assembly, made: StrengtheningT
         if layer_key(layer) not in layers:
             key = f"{project.source}: strengthening[{project.strengthening.index(made) + 1}].layers.{layer}"
             raise ProjectError(f"{key}: no block on that layer; {nearest(layer, sorted(layers.values()))}")
-        given = {key: getattr(table, key) for key in type(table).model_fields}
-        changes[layer_key(layer)] = {masonry.MATERIAL[key]: x for key, x in given.items() if x is not None}
+        changes[layer_key(layer)] = {key: x for key, x in table if x is not None}
     if not changes:
         return model
-    changed = [
-        replace(block, material=replace(block.material, **changes.get(layer_key(block.layer), {})))
-        for block in model.blocks
-    ]
+    own, changed = {each.name: each.model_fields_set for each in project.region}, []
+    for block in model.blocks:
+        given = changes.get(layer_key(block.layer), {}).items()
+        new = {masonry.MATERIAL[key]: x for key, x in given if key not in own.get(block.region, ())}
+        changed.append(replace(block, material=replace(block.material, **new)))
     return replace(model, blocks=changed)
 
 

@@ -157,6 +157,16 @@ def test_a_changed_layer_is_another_material_of_the_same_weight(tmp_path):
     assert after.unit_weight == before.unit_weight and after.normal_stiffness == before.normal_stiffness
 
 
+def test_what_a_region_has_of_its_own_stays(tmp_path):
+    """Its keys count before those of its layer: a part of friction 0.3 was given the 0.7 of the layer around it."""
+    region = '[[region]]\nname = "poor"\noutline_m = [[-2, -1], [2, -1], [2, 0], [-2, 0]]\nfriction = 0.3\n'
+    text = (
+        PROJECT + region + strengthening() + LAYER + "friction = 0.9\ncompressive_strength_kN_m2 = 3000.0\n"
+    )
+    model = build_model(load_project(write_block(tmp_path / "block", text))).states["strengthened"].assembly
+    assert (model.blocks[0].material.friction, model.blocks[0].material.compressive_strength) == (0.3, 3000.0)
+
+
 def test_tension_is_determined_where_the_blocks_of_a_tie_move_against_each_other(tmp_path):
     model = (
         build_model(load_project(write_block(tmp_path / "block", PROJECT + TIE))).states["original"].assembly
