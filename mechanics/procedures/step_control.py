@@ -5,7 +5,7 @@ The same follower serves pushdown and pushover, rigid and elastic:
     until the path ends:
         predict       the last rate, carried on by a length          advance of the path
         solve         program and geometry in turns                  find_equilibrium
-        or go on      along the flow, where it leads to a higher one along_flow
+        or go on      along the flow, where it leads to another      along_flow
         or divide     a step of rigid joints, into short ones        in_short_steps
         or let move   the shortest step, until it rests or falls     motion_to_rest
         accept        and lengthen the next step, or halve it        Bisection
@@ -24,7 +24,7 @@ from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError,
 from mechanics.messages import Message, message
 from mechanics.procedures.model_check import sound
 from mechanics.progress import tell
-from mechanics.steps.flow_step import along_flow, flows, slides
+from mechanics.steps.flow_step import along_flow, begins, flows, slides
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest, way
 from mechanics.steps.static_step import Equilibrium, StepProblem, in_short_steps
@@ -37,7 +37,8 @@ class PathTolerances:
     """Tolerances of the length of steps.
 
     `halvings`: of an increment, to which the end of a path is located; `growth`: factor from one step to the next,
-    after halvings or a small first step; `rise`: share of its multiplier by which that of a step along a flow may rise.
+    after halvings or a small first step; `rise`: share of its multiplier by which that of a step along a flow may rise,
+    and by which another flow that begins has less.
     """
 
     halvings: int = 5
@@ -142,12 +143,15 @@ def reach(problem: StepProblem, guess: Array, last: Equilibrium | None, shortest
 
 def _reach(problem: StepProblem, guess: Array, last: Equilibrium | None, shortest: bool) -> Reached:
     rigid = problem.system.rigid
-    flow, higher = last if last is not None and flows(problem, last) else None, None
+    flow, other = last if last is not None and flows(problem, last) else None, None
     try:
         found = sound(find_equilibrium(problem, guess, last))
-        if flow is None or found.alpha <= flow.alpha * (1.0 + PATH.rise):
+        if flow is None:
             return Reached(found)
-        higher = found  # another flow: that of the last step goes on if it can, and its end is located
+        rise = -PATH.rise if begins(found, flow, problem.size) else PATH.rise
+        if found.alpha <= flow.alpha * (1.0 + rise):
+            return Reached(found)
+        other = found  # the flow of the last step goes on if it can, and its end is located
     except (NoEquilibriumError, ConvergenceError) as error:
         stop: NoEquilibriumError | ConvergenceError = error
     if flow is not None:
@@ -157,8 +161,8 @@ def _reach(problem: StepProblem, guess: Array, last: Equilibrium | None, shortes
             stop = error
         if not shortest:
             raise stop
-        if higher is not None:
-            return Reached(higher)
+        if other is not None:
+            return Reached(other)
     unsettled = isinstance(stop, UnsettledError)
     if rigid:
         try:

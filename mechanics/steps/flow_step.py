@@ -24,7 +24,7 @@ from mechanics.program import Program, Solution, certify, end_forces
 from mechanics.solvers import interior
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.static_step import Equilibrium, StepProblem, check_motion, displaced, equilibrium
-from mechanics.steps.static_system import iterate_over, taken
+from mechanics.steps.static_system import iterate_over, sliding_joints, taken
 from mechanics.steps.tolerances import LIMIT, STEP
 from mechanics.types import Array, Mask
 
@@ -54,10 +54,14 @@ def flows(problem: StepProblem, last: Equilibrium) -> bool:
 
 def slides(found: Equilibrium, size: float) -> bool:
     """Whether joints slide in the program of an equilibrium by more than a share of its step's `size` (m)."""
-    if found.iterate is None:
-        return False
-    slip = abs(found.iterate.gaps[:, 2] - found.iterate.gaps[:, 3]).max(initial=0.0)
-    return bool(slip > STEP.slides * size)
+    return found.iterate is not None and bool(sliding_joints(found.iterate, size).any())
+
+
+def begins(found: Equilibrium, last: Equilibrium, size: float) -> bool:
+    """Whether joints slide in an equilibrium that do not in the `last` one: its flow is another one."""
+    assert found.iterate is not None and last.iterate is not None
+    before = iterate_over(last.iterate, last.contacts, found.contacts)
+    return bool((sliding_joints(found.iterate, size) & ~sliding_joints(before, size)).any())
 
 
 def along_flow(problem: StepProblem, guess: Array, last: Equilibrium) -> Equilibrium:

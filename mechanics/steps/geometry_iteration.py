@@ -21,11 +21,13 @@ from mechanics.steps.static_step import (
     displaced,
     equilibrium,
     proximal,
+    slips,
     solve_program,
+    sticking,
 )
-from mechanics.steps.static_system import StaticSystem, iterate_over, moved_over, over_all, spread, taken
+from mechanics.steps.static_system import iterate_over, moved_over, over_all, sliding_joints, spread, taken
 from mechanics.steps.tolerances import STEP
-from mechanics.types import Array, Index
+from mechanics.types import Array, Index, Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +36,8 @@ class Round:
 
     `at` (b, 3): positions; `forces` (j, 3): N, P and T; `iterate` of all joints, and the `distance` from the bounds at
     which the next program begins; `touching`: the program's joints; `solves`: programs so far; `reference` (j, 3):
-    forces near which rigid joints keep them, `stage`: programs of a step.
+    forces near which rigid joints keep them, `stage`: programs of a step; `stuck` (j,): joints that stick, see
+    static_step.sticking, None where none is known to.
     """
 
     at: Array
@@ -46,22 +49,25 @@ class Round:
     solves: int = 0
     reference: Array | None = None
     stage: int = 0
+    stuck: Mask | None = None
 
 
 def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | None = None) -> Equilibrium:
     """Return the equilibrium near a `guess` (b, 3) of the positions; the supports take the positions of the guess.
 
-    A sequence of programs is solved, each from where the last one ended; the first ones roughly. Each is convex in its
-    geometry, and contains the change of the last forces with that (Newton's method for geometry and forces together).
-    By Coulomb's law joints yield a little to changes of their forces (proximal). `last`: the previous equilibrium of
-    the path. Raises NoEquilibriumError if none lies near or it is unstable, UnsettledError if geometry and forces do
-    not agree in the end, ConvergenceError if neither can be decided.
+    A sequence of programs is solved, each from where the last one ended; the first ones roughly, in the geometry of the
+    one before. The others contain the change of the last forces with that (Newton's method for geometry and forces
+    together), with rigid joints where geometry and forces do not settle without it. By Coulomb's law joints yield a
+    little to changes of their forces (proximal), and rigid ones that have not slid in the last step stick as long as
+    they can (sticking). `last`: the previous equilibrium of the path. Raises NoEquilibriumError if none lies near or it
+    is unstable, UnsettledError if geometry and forces do not agree in the end, ConvergenceError if neither can be
+    decided.
     """
     system, model = problem.system, problem.system.model
     *rough, final = STEP.residuals(system.behaviour)
     residuals = (*(each for each in rough if each <= system.lightest), final)
     stages = residuals + (residuals[-1],) * STEP.rounds
-    now, best, relaxation, stable = _begin(system, guess, last), None, Relaxation(), True
+    now, best, relaxation, stable = _begin(problem, guess, last), None, Relaxation(), True
     for stage, residual in enumerate(stages):
         before, now = now, _solve_round(problem, now, residual)
         if stage < len(residuals) - 1:
@@ -97,32 +103,47 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
     )
 
 
-def _begin(system: StaticSystem, guess: Array, last: Equilibrium | None) -> Round:
+def _begin(problem: StepProblem, guess: Array, last: Equilibrium | None) -> Round:
     """Return the start of the sequence: at a guess (b, 3), near the last equilibrium of the path."""
+    system, stuck = problem.system, None
     if last is None:
         return Round(guess, None, None)
     forces = moved_over(last.forces, last.contacts, system.contacts) if system.rigid else None
     iterate = last.iterate and iterate_over(last.iterate, last.contacts, system.contacts)
     reference = iterate.forces if iterate is not None and system.dilation < 1.0 else None
-    return Round(guess, forces, iterate, reference=reference)
+    if iterate is not None and system.rigid and system.dilation < 1.0:
+        stuck = ~sliding_joints(iterate, problem.size)
+    return Round(guess, forces, iterate, reference=reference, stuck=stuck)
 
 
 def _solve_round(problem: StepProblem, last: Round, residual: float) -> Round:
     """Solve the program in the geometry of the last round to a residual (per weight and step)."""
     system = problem.system
     program, index = problem.pose(last.at, last.forces, last.touching)
-    near = None
+    near, posed, stuck = None, program, last.stuck
+    rough = residual > STEP.residuals(system.behaviour)[-1]
+    # where joints slide Newton's method also finds what does not last: two seats that share the slip of a beam
+    held = rough or (system.rigid and last.stage < STEP.held)
     if last.iterate is not None:
         before = taken(last.iterate, index)
         near = before.warm(program, last.distance)
         if last.reference is not None:
-            program = proximal(program, last.reference[index])
-    found, solves, reached = solve_program(program, system.layout.take(index), near, residual)
+            posed = proximal(posed, last.reference[index])
+        if stuck is not None:
+            posed = sticking(posed, stuck[index])
+
+    def moved(found: Iterate) -> Array:
+        at = displaced(system.model, last.at, found.displacement)
+        check_motion(problem, at)
+        return at
+
+    found, solves, reached = solve_program(posed, system.layout.take(index), near, residual, held, moved)
+    if stuck is not None and not rough and slips(program, stuck[index], found):
+        stuck = None
     reference = last.reference
     if system.dilation < 1.0 and last.stage < STEP.memory:
         reference = spread(found.forces, index, len(system.contacts))
-    at = displaced(system.model, last.at, found.displacement)
-    check_motion(problem, at)
+    at = moved(found)
     everywhere = over_all(found, index, len(system.contacts))
     distance = STEP.go_on * residual
     if program.curved is not None and not reached:
@@ -137,6 +158,7 @@ def _solve_round(problem: StepProblem, last: Round, residual: float) -> Round:
         last.solves + solves,
         reference=reference,
         stage=last.stage + 1,
+        stuck=stuck,
     )
 
 

@@ -128,7 +128,7 @@ def _step_from_rest(
     None if it can be `shorter`; else its geometry is held. `near` (m): how far one with it may lead.
     """
     system, size = problem.system, problem.system.model.size
-    program, index = problem.pose(at, None if last is None else last.forces)
+    program, index = problem.pose(at, None if last is None or system.rigid else last.forces)
     layout, frozen, curved = system.layout.take(index), interior.frozen(program), program.curved is not None
     warm = last and last.iterate and taken(last.iterate, index)
     if warm and system.dilation < 1.0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
@@ -21,7 +22,7 @@ from mechanics.kernels.joint import (
     friction_between,
     lay_shear,
 )
-from mechanics.kernels.law import BED, DILATION, SEGMENTS, SHEAR, SLID, STRENGTH
+from mechanics.kernels.law import BED, DILATION, FRICTION, SEGMENTS, SHEAR, SLID, STEEP, STRENGTH
 from mechanics.messages import message
 from mechanics.model.assembly import Assembly, State
 from mechanics.model.contacts import Contacts, end_gaps
@@ -39,7 +40,7 @@ from mechanics.steps.static_system import (
     taken,
 )
 from mechanics.steps.tolerances import REST, STEP
-from mechanics.types import GRAVITY, Array, Index
+from mechanics.types import GRAVITY, Array, Index, Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,8 +112,8 @@ class StepProblem:
     def pose(self, at: Array, forces: Array | None, touching: Index | None = None) -> tuple[Program, Index]:
         """Return the program in the geometry of the positions `at` (b, 3), and the indices of its joints.
 
-        The displacements are measured from `at`. `forces` (j, 3): estimate of the joint forces, None if there is none;
-        an elastic program contains their change with the geometry. `touching`: indices of the program's joints, None:
+        The displacements are measured from `at`. `forces` (j, 3): estimate of the joint forces, whose change with the
+        geometry the program contains, None if there is none. `touching`: indices of the program's joints, None:
         all joints that overlap, and ties that twice the expected displacement may pull taut.
         """
         system, movable = self.system, self.system.model.movable
@@ -143,7 +144,7 @@ class StepProblem:
             weight=system.weight,
             size=system.model.size,
             step=self.size,
-            curved=None if system.rigid or forces is None else _curvatures(places[index], forces[index], law),
+            curved=None if forces is None else _curvatures(places[index], forces[index], law),
         )
         return program, index
 
@@ -211,20 +212,46 @@ def proximal(program: Program, forces: Array) -> Program:
     return replace(p, law=law, places=places)
 
 
+def sticking(program: Program, stuck: Mask) -> Program:
+    """Return the program in which the joints `stuck` (j,) have a little more friction than those that slide.
+
+    Where several mechanisms have the same multiplier, courses that may all slide, the one that has begun goes on. The
+    flow has ended where a joint makes use of it: see `slips`.
+    """
+    law = program.law.copy()
+    law[stuck, FRICTION] *= 1.0 + STEP.sticks
+    return replace(program, law=law)
+
+
+def slips(program: Program, stuck: Mask, found: Iterate) -> bool:
+    """Whether one of the joints `stuck` (j,) would slide under its own friction, that of the program."""
+    normal, shear = found.forces[:, :2].sum(axis=1), abs(found.forces[:, 2])
+    bound = (1.0 + 0.5 * STEP.sticks) * np.minimum(program.law[:, FRICTION], STEEP) * normal
+    return bool((stuck & (normal > STEP.carrying * program.weight) & (shear > bound)).any())
+
+
 def solve_program(
-    program: Program, layout: Elimination, near: Iterate | None, accepted: float
+    program: Program,
+    layout: Elimination,
+    near: Iterate | None,
+    accepted: float,
+    first_held: bool = False,
+    check: Callable[[Iterate], object] | None = None,
 ) -> tuple[Iterate, int, bool]:
     """Return the iterate that solves a program to a residual, the number of solves, and whether that is reached.
 
-    The search begins `near` an iterate; if it fails, from a cold start with the geometry held: what the forces change
-    with the geometry makes a program of elastic joints non-convex, and far from its solution it does not converge.
-    Raises NoEquilibriumError if the structure is unstable or no load moves it, ConvergenceError if it is not solved.
+    The search begins `near` an iterate, with the geometry that changes, or with the geometry held and then with that
+    (`first_held`). Then it begins from a cold start with the geometry held: what the forces change with the geometry
+    makes the program non-convex, and far from its solution it does not converge. A solution that `check` refuses by a
+    NoEquilibriumError does not count. Raises that error if there is no other, NoEquilibriumError if the structure is
+    unstable or no load moves it, ConvergenceError if it is not solved.
     """
-    unstable = False
+    unstable, refused = False, None
     held = interior.frozen(program)
     skew = bool((program.law[:, DILATION] < 1.0).any())
     solved = STEP.slow if skew else GOOD
-    first = [(program, near)] if near else []
+    kinds = [held, program] if first_held and program.curved is not None else [program]
+    first = [(kind, near) for kind in kinds] if near else []
     attempts = chain(first, ((held, start) for start in interior.cold_starts(held, layout)))
     for solves, (tried, start) in enumerate(attempts, 1):
         found, outcome = interior.run(tried, layout, start, accepted)
@@ -233,8 +260,16 @@ def solve_program(
                 message("no mechanism: the load only wedges the blocks, the multiplier has no bound")
             )
         if outcome.accepted or max(outcome.force, outcome.product) <= solved:
+            try:
+                if check:
+                    check(found)
+            except NoEquilibriumError as error:
+                refused = error
+                continue
             return found, solves, outcome.accepted
         unstable = unstable or outcome.unstable
+    if refused:
+        raise refused
     if unstable:
         raise NoEquilibriumError(
             message("loss of stability: the stiffness of the structure is no longer positive")

@@ -223,6 +223,12 @@ def over_all(found: Iterate, index: Index, count: int) -> Iterate:
     return replace(found, forces=spread(found.forces, index, count), gaps=spread(found.gaps, index, count))
 
 
+def sliding_joints(iterate: Iterate, size: float) -> Mask:
+    """Return which joints (j,) slide in an iterate by more than a share of its step's `size` (m)."""
+    slip: Array = abs(iterate.gaps[:, 2] - iterate.gaps[:, 3])
+    return slip > STEP.slides * size
+
+
 def spring_forces(contacts: Contacts, state: State) -> Array:
     """Return the tangential forces (j,) kN in the springs of contacts in a state."""
     forces = np.zeros(len(contacts))

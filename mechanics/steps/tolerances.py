@@ -18,7 +18,8 @@ class StepTolerances:
     `rounds` times. `go_on`: distance from the bounds at which the next programs begin, over the residual of the last,
     and near one whose geometry was held; `wider`: so many times farther after an elastic one that was not solved to it,
     and sticks near its bounds. `yielding`: compliance, in steps per weight, of rigid joints to changes of
-    their forces by Coulomb's law; `memory`: programs of a step after which these count from the same forces.
+    their forces by Coulomb's law; `memory`: programs of a step after which these count from the same forces; `held`:
+    programs of a step of rigid joints in held geometries, before they contain the change of forces with the geometry.
 
     Acceptance. `slow`: residual, per weight and step, of what approaches its solution only slowly: forces and geometry
     of rigid joints, a rest of elastic ones, a program by Coulomb's law within the sequence. `fall`: a motion of this
@@ -29,7 +30,7 @@ class StepTolerances:
     beyond a step within which contacts are looked for.
 
     Flows. `slides`: slip of a joint that slides, as a share of a step; `touching`: gap or slip, as a share of a step,
-    that is none.
+    that is none; `sticks`: share of its friction that a joint that sticks has more.
 
     Short steps, as long as those of a motion (RestTolerances.way). `short_time`: time of each, in units of √(size/g),
     long enough for inertia to have little effect.
@@ -42,6 +43,7 @@ class StepTolerances:
     wider: float = 100.0
     yielding: float = 3e-4
     memory: int = 2
+    held: int = 7
     slow: float = 1e-5
     fall: float = 10.0
     carrying: float = 1e-6
@@ -50,6 +52,7 @@ class StepTolerances:
     look_ahead: float = 0.05
     slides: float = 1e-3
     touching: float = 1e-7
+    sticks: float = 1e-4
     short_time: float = 4.5
 
     def residuals(self, behaviour: Behaviour) -> tuple[float, ...]:
