@@ -48,10 +48,6 @@ class NoEquilibriumError(MechanicsError, SaidError, ValueError):
     path: object = None
 
 
-class UnsettledError(NoEquilibriumError):
-    """The forces of a step and the geometry in which they act do not come to agree."""
-
-
 class RunawayError(NoEquilibriumError):
     """Left to itself the structure moves on and does not come to rest: it collapses."""
 

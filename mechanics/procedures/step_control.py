@@ -6,7 +6,6 @@ The same follower serves pushdown and pushover, rigid and elastic:
         predict       the last rate, carried on by a length          advance of the path
         solve         program and geometry in turns                  find_equilibrium
         or go on      along the flow, where it leads to another      along_flow
-        or divide     a step of rigid joints, into short ones        in_short_steps
         or let move   the shortest step, until it rests or falls     motion_to_rest
         accept        and lengthen the next step, or halve it        Bisection
 """
@@ -20,14 +19,14 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError, UnsettledError
+from mechanics.errors import ConvergenceError, NoEquilibriumError, RunawayError
 from mechanics.messages import Message, message
 from mechanics.procedures.model_check import sound
 from mechanics.progress import tell
-from mechanics.steps.flow_step import along_flow, begins, flows, slides
+from mechanics.steps.flow_step import along_flow, begins, flows
 from mechanics.steps.geometry_iteration import find_equilibrium
 from mechanics.steps.rest import motion_to_rest, way
-from mechanics.steps.static_step import Equilibrium, StepProblem, in_short_steps
+from mechanics.steps.static_step import Equilibrium, StepProblem
 from mechanics.steps.tolerances import REST
 from mechanics.types import Array
 
@@ -125,11 +124,10 @@ def follow(path: Path, steps: Bisection) -> None:
 def reach(problem: StepProblem, guess: Array, last: Equilibrium | None, shortest: bool) -> Reached:
     """Return the equilibrium of a step.
 
-    A failed step is not yet a collapse. If no equilibrium is found near the `guess` (b, 3), a step of rigid joints is
-    divided into short ones. A step that still fails is to be halved; at the `shortest` the blocks are released, and
-    their motion decides. If blocks penetrate that were too far apart to touch, the step is repeated with their faces in
-    contact. Raises RunawayError if the motion does not come to rest, NoEquilibriumError or ConvergenceError if the step
-    may still be halved, ConvergenceError if nothing is decided.
+    A failed step is not yet a collapse. If no equilibrium is found near the `guess` (b, 3), it is to be halved; at the
+    `shortest` the blocks are released, and their motion decides. If blocks penetrate that were too far apart to touch,
+    the step is repeated with their faces in contact. Raises RunawayError if the motion does not come to rest,
+    NoEquilibriumError or ConvergenceError if the step may still be halved, ConvergenceError if nothing is decided.
     """
     problem = replace(problem, system=problem.system.around(problem.start.positions, problem.size))
     while True:
@@ -163,15 +161,6 @@ def _reach(problem: StepProblem, guess: Array, last: Equilibrium | None, shortes
             raise stop
         if other is not None:
             return Reached(other)
-    unsettled = isinstance(stop, UnsettledError)
-    if rigid:
-        try:
-            found = sound(in_short_steps(problem, guess, last))
-            if unsettled or slides(found, problem.size):  # what only turns is followed exactly or not at all
-                return Reached(found)
-        except (NoEquilibriumError, ConvergenceError) as error:
-            error.__cause__ = stop
-            stop = error
     if not shortest:
         raise stop
     # a push alone: what falls as a support moves is not held by a law that lifts what slides

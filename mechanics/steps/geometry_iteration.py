@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from mechanics.errors import ConvergenceError, NoEquilibriumError, UnsettledError
+from mechanics.errors import ConvergenceError, NoEquilibriumError
 from mechanics.kernels.joint import H
 from mechanics.messages import message
 from mechanics.model.contacts import end_gaps
@@ -59,9 +59,8 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
     one before. The others contain the change of the last forces with that (Newton's method for geometry and forces
     together), with rigid joints where geometry and forces do not settle without it. By Coulomb's law joints yield a
     little to changes of their forces (proximal), and rigid ones that have not slid in the last step stick as long as
-    they can (sticking). `last`: the previous equilibrium of the path. Raises NoEquilibriumError if none lies near or it
-    is unstable, UnsettledError if geometry and forces do not agree in the end, ConvergenceError if neither can be
-    decided.
+    they can (sticking). `last`: the previous equilibrium of the path. Raises NoEquilibriumError if none lies near, if
+    it is unstable, or if geometry and forces do not agree in the end, ConvergenceError if that cannot be decided.
     """
     system, model = problem.system, problem.system.model
     *rough, final = STEP.residuals(system.behaviour)
@@ -98,22 +97,22 @@ def find_equilibrium(problem: StepProblem, guess: Array, last: Equilibrium | Non
     assert now.iterate is not None
     farthest = np.argmax(abs(now.iterate.displacement.reshape(-1, 3)[:, :2]).max(axis=1))
     block = int(np.flatnonzero(model.movable)[farthest])
-    raise UnsettledError(
+    raise NoEquilibriumError(
         message("the geometry of the step does not settle, at block {block} first", block=block)
     )
 
 
 def _begin(problem: StepProblem, guess: Array, last: Equilibrium | None) -> Round:
     """Return the start of the sequence: at a guess (b, 3), near the last equilibrium of the path."""
-    system, stuck = problem.system, None
+    system = problem.system
     if last is None:
         return Round(guess, None, None)
     forces = moved_over(last.forces, last.contacts, system.contacts) if system.rigid else None
     iterate = last.iterate and iterate_over(last.iterate, last.contacts, system.contacts)
-    reference = iterate.forces if iterate is not None and system.dilation < 1.0 else None
-    if iterate is not None and system.rigid and system.dilation < 1.0:
-        stuck = ~sliding_joints(iterate, problem.size)
-    return Round(guess, forces, iterate, reference=reference, stuck=stuck)
+    if iterate is None or system.dilation >= 1.0:
+        return Round(guess, forces, iterate)
+    stuck = ~sliding_joints(iterate, problem.size) if system.rigid else None
+    return Round(guess, forces, iterate, reference=iterate.forces, stuck=stuck)
 
 
 def _solve_round(problem: StepProblem, last: Round, residual: float) -> Round:
@@ -149,17 +148,9 @@ def _solve_round(problem: StepProblem, last: Round, residual: float) -> Round:
     if program.curved is not None and not reached:
         distance = min(STEP.wider * last.distance, interior.APART)
     return Round(
-        at,
-        system.resultants(at, everywhere.forces),
-        everywhere,
-        distance,
-        index,
-        found.alpha,
-        last.solves + solves,
-        reference=reference,
-        stage=last.stage + 1,
-        stuck=stuck,
-    )
+        at, system.resultants(at, everywhere.forces), everywhere, distance, index, found.alpha, last.solves + solves,
+        reference, last.stage + 1, stuck,
+    )  # fmt: skip
 
 
 def _once_more(problem: StepProblem, now: Round, found: Equilibrium) -> Equilibrium:

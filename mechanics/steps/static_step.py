@@ -1,4 +1,4 @@
-"""One static step: its program in a given geometry, the equilibrium that follows from it, and a step in short ones."""
+"""One static step: its program in a given geometry, and the equilibrium that follows from it."""
 
 from __future__ import annotations
 
@@ -32,15 +32,13 @@ from mechanics.solvers.elimination import Elimination
 from mechanics.solvers.interior import Iterate
 from mechanics.steps.static_system import (
     StaticSystem,
-    iterate_over,
     over_all,
     spread,
     spring_forces,
     state_at_rest,
-    taken,
 )
-from mechanics.steps.tolerances import REST, STEP
-from mechanics.types import GRAVITY, Array, Index, Mask
+from mechanics.steps.tolerances import STEP
+from mechanics.types import Array, Index, Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,17 +178,9 @@ def equilibrium(
     system, count = problem.system, len(problem.system.contacts)
     forces = spread(found.forces, index, count)
     return Equilibrium(
-        state_at_rest(system, at, forces, problem.start),
-        system,
-        system.places(at, problem.start),
-        forces,
-        found.alpha,
-        iterate and over_all(iterate, index, count),
-        found.certificate,
-        solves,
-        problem.lifts,
-        stable,
-    )
+        state_at_rest(system, at, forces, problem.start), system, system.places(at, problem.start), forces, found.alpha,
+        iterate and over_all(iterate, index, count), found.certificate, solves, problem.lifts, stable,
+    )  # fmt: skip
 
 
 def proximal(program: Program, forces: Array) -> Program:
@@ -297,53 +287,3 @@ def check_motion(problem: StepProblem, positions: Array) -> None:
             "the structure falls: a step of {size:.3g} m moves it by {moved:.3g} m", size=size, moved=moved
         )
         raise NoEquilibriumError(falls)
-
-
-def balanced(problem: StepProblem, at: Array, near: Iterate | None, solves: int = 0) -> Equilibrium:
-    """Return the equilibrium of blocks that stay at positions (b, 3): the forces that hold them there.
-
-    `near`: an iterate, near whose forces they are sought by Coulomb's law; `solves`: number of programs solved before.
-    Raises NoEquilibriumError if no forces hold them, ConvergenceError if that cannot be decided.
-    """
-    system = problem.system
-    program, index = problem.pose(at, None)
-    start = None
-    if near and system.dilation < 1.0:
-        known = taken(near, index)
-        program, start = proximal(program, known.forces), known.warm(program)
-    found, more, _ = solve_program(program, system.layout.take(index), start, GOOD)
-    return equilibrium(problem, at, index, interior.solution(program, found), found, solves + more)
-
-
-def in_short_steps(problem: StepProblem, guess: Array, last: Equilibrium | None) -> Equilibrium:
-    """Return the equilibrium of a step of rigid joints taken in short ones, up to the supports in `guess` (b, 3).
-
-    Each short step is one program in the geometry in which it begins. A little inertia keeps loose blocks in place. A
-    joint that sliding has lifted stays lifted while it slides: the further lift (dilation) vanishes, as with Coulomb
-    friction. The forces of the result hold the blocks at their positions without inertia. Raises NoEquilibriumError if
-    there are no such forces or blocks fall, ConvergenceError if a program is not solved.
-    """
-    system, model = problem.system, problem.system.model
-    begun, fixed = problem.start.positions, ~model.movable
-    count = int(np.ceil(problem.size / (REST.way * model.size)))
-    mass = model.mass * GRAVITY / (STEP.short_time**2 * model.size)
-    short = replace(problem, size=problem.size / count, work=problem.work / count, mass=mass)
-    at, solves = begun, 0
-    iterate: Iterate | None = None
-    if last is not None and last.iterate is not None:
-        iterate = iterate_over(last.iterate, last.contacts, system.contacts)
-    for k in range(count):
-        posed = at.copy()
-        posed[fixed] = begun[fixed] + (k + 1.0) / count * (guess - begun)[fixed]
-        program, index = short.pose(posed, None)
-        near: Iterate | None = iterate and taken(iterate, index).warm(program)
-        if iterate and system.dilation < 1.0:
-            program = proximal(program, iterate.forces[index])
-        found, more, _ = solve_program(program, system.layout.take(index), near, GOOD)
-        solves += more
-        at = displaced(model, posed, found.displacement)
-        check_motion(short, at)
-        iterate = over_all(found, index, len(system.contacts))
-        forces = spread(interior.resultants(program, found), index, len(system.contacts))
-        short = replace(short, start=state_at_rest(system, at, forces, short.start))
-    return balanced(replace(short, mass=None), at, iterate, solves)

@@ -32,8 +32,6 @@ class StepTolerances:
     Flows. `slides`: slip of a joint that slides, as a share of a step; `touching`: gap or slip, as a share of a step,
     that is none; `sticks`: share of its friction that a joint that sticks has more.
 
-    Short steps, as long as those of a motion (RestTolerances.way). `short_time`: time of each, in units of √(size/g),
-    long enough for inertia to have little effect.
     """
 
     rigid: tuple[float, ...] = (1e-5, 1e-8, 1e-10)
@@ -53,7 +51,6 @@ class StepTolerances:
     slides: float = 1e-3
     touching: float = 1e-7
     sticks: float = 1e-4
-    short_time: float = 4.5
 
     def residuals(self, behaviour: Behaviour) -> tuple[float, ...]:
         """Return the residuals of the programs for joints of a behaviour; the last one is repeated."""

@@ -22,13 +22,13 @@ LINES = {
     "assessment/runtime": 1339,
     "assessment/studies": 2126,
     "assessment/workflow": 890,
-    "mechanics": 934,
+    "mechanics": 930,
     "mechanics/kernels": 3519,
     "mechanics/model": 2998,
-    "mechanics/procedures": 3651,
+    "mechanics/procedures": 3644,
     "mechanics/records": 989,
     "mechanics/solvers": 933,
-    "mechanics/steps": 1794,
+    "mechanics/steps": 1792,
 }
 
 

@@ -1,6 +1,7 @@
 """Curves of settled states, of joints that slide, their peaks, control points and ends, in any frame."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -299,6 +300,9 @@ def ended(model: Assembly, length: float, sliding: str) -> tuple[str, bool, bool
 def test_walls_end_for_the_same_reason_and_at_the_same_displacement_where_they_only_turn(name):
     bricks, sliding = WALLS[name]
     wall = running_bond(*bricks)
+    if name == "slides on its base":  # not on a course: rounding would choose
+        base, *others = wall.blocks
+        wall = Assembly([replace(base, material=replace(base.material, friction=0.6)), *others])
     expected = ended(wall, 1.0, sliding)
     found = ended(in_frame(wall, *FRAME), FRAME[0], sliding)
     assert found[:3] == expected[:3]
