@@ -136,13 +136,12 @@ def _solve_round(problem: StepProblem, last: Round, residual: float) -> Round:
         check_motion(problem, at)
         return at
 
-    found, solves, reached = solve_program(posed, system.layout.take(index), near, residual, held, moved)
+    found, at, solves, reached = solve_program(posed, system.layout.take(index), near, residual, held, moved)
     if stuck is not None and not rough and slips(program, stuck[index], found):
         stuck = None
     reference = last.reference
     if system.dilation < 1.0 and last.stage < STEP.memory:
         reference = spread(found.forces, index, len(system.contacts))
-    at = moved(found)
     everywhere = over_all(found, index, len(system.contacts))
     distance = STEP.go_on * residual
     if program.curved is not None and not reached:

@@ -225,22 +225,22 @@ def solve_program(
     layout: Elimination,
     near: Iterate | None,
     accepted: float,
-    first_held: bool = False,
-    check: Callable[[Iterate], object] | None = None,
-) -> tuple[Iterate, int, bool]:
-    """Return the iterate that solves a program to a residual, the number of solves, and whether that is reached.
+    held_first: bool,
+    moved: Callable[[Iterate], Array],
+) -> tuple[Iterate, Array, int, bool]:
+    """Return the iterate that solves a program to a residual, where it leads, the solves, and whether that is reached.
 
     The search begins `near` an iterate, with the geometry that changes, or with the geometry held and then with that
-    (`first_held`). Then it begins from a cold start with the geometry held: what the forces change with the geometry
-    makes the program non-convex, and far from its solution it does not converge. A solution that `check` refuses by a
-    NoEquilibriumError does not count. Raises that error if there is no other, NoEquilibriumError if the structure is
-    unstable or no load moves it, ConvergenceError if it is not solved.
+    (`held_first`). Then it begins from a cold start with the geometry held: what the forces change with the geometry
+    makes the program non-convex, and far from its solution it does not converge. `moved`: positions (b, 3) to which a
+    solution leads; one for which it raises a NoEquilibriumError does not count. Raises that error if there is no other,
+    NoEquilibriumError if the structure is unstable or no load moves it, ConvergenceError if it is not solved.
     """
     unstable, refused = False, None
     held = interior.frozen(program)
     skew = bool((program.law[:, DILATION] < 1.0).any())
     solved = STEP.slow if skew else GOOD
-    kinds = [held, program] if first_held and program.curved is not None else [program]
+    kinds = [held, program] if held_first and program.curved is not None else [program]
     first = [(kind, near) for kind in kinds] if near else []
     attempts = chain(first, ((held, start) for start in interior.cold_starts(held, layout)))
     for solves, (tried, start) in enumerate(attempts, 1):
@@ -251,12 +251,10 @@ def solve_program(
             )
         if outcome.accepted or max(outcome.force, outcome.product) <= solved:
             try:
-                if check:
-                    check(found)
+                return found, moved(found), solves, outcome.accepted
             except NoEquilibriumError as error:
                 refused = error
                 continue
-            return found, solves, outcome.accepted
         unstable = unstable or outcome.unstable
     if refused:
         raise refused
