@@ -223,10 +223,14 @@ class PushPath:
             self.end = message("α = 0, and no push moves the structure where it rests again")
 
     def _falls_back(self, positions: Array) -> bool:
-        """Whether positions (b, 3) are no farther from where blocks have jumped before than where that led."""
-        far, steps = self.model.farthest, pairwise(self.points)  # a part may move the control point back
-        jumps = [(a.step.state.positions, b.step.state.positions) for a, b in steps if b.jumped]
-        return any(far(before, positions) <= far(before, behind) for before, behind in jumps)
+        """Whether blocks jump to positions (b, 3) from or to where they have jumped from before: on and on."""
+        far, last = self.model.farthest, self.last.positions  # a part may move the control point back
+        jumps = [
+            (a.step.state.positions, b.step.state.positions) for a, b in pairwise(self.points) if b.jumped
+        ]
+        return any(
+            far(x, positions) <= far(x, y) > 2.0 * min(far(x, positions), far(x, last)) for x, y in jumps
+        )
 
     def _step(self, work: float, fastest: float, shortest: bool) -> Reached:
         """Return the equilibrium after `work` (kNm) of the lateral loads."""

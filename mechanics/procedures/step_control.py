@@ -115,8 +115,7 @@ class Path(Protocol):
 def follow(path: Path, steps: Bisection) -> None:
     """Follow a path to its end. Raises what its `stop` raises."""
     while not path.end:
-        error = steps.take(path.advance)
-        if error is not None:
+        if error := steps.take(path.advance):
             path.stop(error)
         tell(path.share)
 
@@ -140,7 +139,6 @@ def reach(problem: StepProblem, guess: Array, last: Equilibrium | None, shortest
 
 
 def _reach(problem: StepProblem, guess: Array, last: Equilibrium | None, shortest: bool) -> Reached:
-    rigid = problem.system.rigid
     flow, other = last if last is not None and flows(problem, last) else None, None
     try:
         found = sound(find_equilibrium(problem, guess, last))
@@ -157,14 +155,12 @@ def _reach(problem: StepProblem, guess: Array, last: Equilibrium | None, shortes
             return Reached(sound(along_flow(problem, guess, flow)))
         except (NoEquilibriumError, ConvergenceError) as error:
             stop = error
-        if not shortest:
-            raise stop
-        if other is not None:
+        if other is not None and shortest:
             return Reached(other)
     if not shortest:
         raise stop
     # a push alone: what falls as a support moves is not held by a law that lifts what slides
-    if rigid and problem.system.dilation < 1.0 and problem.lateral is not None:
+    if problem.system.rigid and problem.system.dilation < 1.0 and problem.lateral is not None:
         with suppress(NoEquilibriumError, ConvergenceError):  # by the associative law: its lift is small here
             return Reached(sound(find_equilibrium(replace(problem, lifts=True), guess, last)))
     begun = np.where(problem.system.model.movable[:, None], problem.start.positions, guess)

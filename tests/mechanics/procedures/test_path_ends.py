@@ -264,8 +264,8 @@ def test_a_wall_that_leans_on_a_neighbour_rests(contacts, sliding):
     assert curve.displacement[-1] == pytest.approx(0.15, abs=0.0101)
 
 
-def test_blocks_fall_back_where_they_come_near_to_where_they_have_jumped_not_the_control_point():
-    """A part that moved by itself took the control point back by 0.03 mm: the curve of a triumphal arch ended there."""
+def test_blocks_fall_back_where_they_jump_from_or_to_where_they_have_jumped_from_before():
+    """Parts that moved by themselves took the control point back by 0.03 and 0.5 mm: curves of an arch ended there."""
     model = block_on_base()
     push = PushInput(np.array([0.0, 1.0]), "+x", 0.01, 0.0, PUSHOVER)
     path = PushPath(push, static_system(model, "rigid", "coulomb"), None)
@@ -278,7 +278,11 @@ def test_blocks_fall_back_where_they_come_near_to_where_they_have_jumped_not_the
     start = path.points[0].step
     behind = replace(start, state=replace(start.state, positions=moved(0.01)))
     path.points = [PushPoint(start, 0.0), PushPoint(behind, -0.001, jumped=True)]
-    assert path._falls_back(moved(0.009)) and path._falls_back(moved(-0.01))
+    assert path._falls_back(moved(0.004)) and path._falls_back(moved(-0.004))  # back to where it began
+    assert not path._falls_back(moved(0.009)) and not path._falls_back(moved(0.011))  # from where it had led
+    climbed = replace(start, state=replace(start.state, positions=moved(0.001)))
+    path.points.append(PushPoint(climbed, 0.0))
+    assert path._falls_back(moved(0.009))  # the same jump again
     assert not path._falls_back(moved(0.011))
 
 
