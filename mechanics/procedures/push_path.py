@@ -224,7 +224,7 @@ class PushPath:
 
     def _falls_back(self, positions: Array) -> bool:
         """Whether blocks jump to positions (b, 3) from or to where they have jumped from before: on and on."""
-        far, last = self.model.farthest, self.last.positions  # a part may move the control point back
+        far, last = self.model.farthest, self.last.positions  # of all blocks
         jumps = [
             (a.step.state.positions, b.step.state.positions) for a, b in pairwise(self.points) if b.jumped
         ]

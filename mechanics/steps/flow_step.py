@@ -8,8 +8,8 @@ and its forces can:
         Δx ← the least displacement of the given work that closes what is not free    a quadratic program
     f  ← the forces of least α that balance the loads there and fit the mechanism     a linear program
 
-Where either has no solution the flow ends, and another begins. It is needed where the next program leads to a higher
-multiplier: to another flow.
+Where either has no solution the flow ends, and another begins. It is needed where the next program leads to another
+flow whose multiplier is not lower.
 """
 
 from __future__ import annotations

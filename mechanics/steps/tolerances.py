@@ -16,10 +16,10 @@ class StepTolerances:
     geometry is updated (rigid joints yield nothing in a wrong geometry; gaps of blocks that carry little are known to
     the root of the residual, and they are the next geometry); a program with the last residual is repeated at most
     `rounds` times. `go_on`: distance from the bounds at which the next programs begin, over the residual of the last,
-    and near one whose geometry was held; `wider`: so many times farther after an elastic one that was not solved to it,
-    and sticks near its bounds. `yielding`: compliance, in steps per weight, of rigid joints to changes of
-    their forces by Coulomb's law; `memory`: programs of a step after which these count from the same forces; `held`:
-    programs of a step of rigid joints in held geometries, before they contain the change of forces with the geometry.
+    and near one whose geometry was held; `wider`: so many times farther after one whose geometry may change and that
+    was not solved to it, and sticks near its bounds. `yielding`: compliance, in steps per weight, of rigid joints to
+    changes of their forces by Coulomb's law; `memory`: programs of a step after which these count from the same forces;
+    `held`: programs of a step of rigid joints in held geometries, before forces change with the geometry in them.
 
     Acceptance. `slow`: residual, per weight and step, of what approaches its solution only slowly: forces and geometry
     of rigid joints, a rest of elastic ones, a program by Coulomb's law within the sequence. `fall`: a motion of this
@@ -31,7 +31,6 @@ class StepTolerances:
 
     Flows. `slides`: slip of a joint that slides, as a share of a step; `touching`: gap or slip, as a share of a step,
     that is none; `sticks`: share of its friction that a joint that sticks has more.
-
     """
 
     rigid: tuple[float, ...] = (1e-5, 1e-8, 1e-10)

@@ -28,7 +28,7 @@ LINES = {
     "mechanics/procedures": 3644,
     "mechanics/records": 989,
     "mechanics/solvers": 933,
-    "mechanics/steps": 1789,
+    "mechanics/steps": 1788,
 }
 
 
